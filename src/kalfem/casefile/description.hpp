@@ -51,6 +51,7 @@ struct GlobalModalDamping {
 struct Substructure {
   std::optional<FiniteElements> finite_elements;
   std::optional<Located<Reduction>> reduction;
+  std::optional<Name> preload;  ///< load case of `static`
   Named<Named<double>> masses;  ///< node -> direction -> mass; a node with one mass has the direction ""
   std::optional<Chain> chain;
   std::vector<Spring> springs;

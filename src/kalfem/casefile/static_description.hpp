@@ -9,7 +9,8 @@
 /// Load cases as the case file states them, see description.hpp.
 namespace kalfem::description {
 
-/// On a named node, a node by its number or a group of nodes, which share it equally.
+/// On a named node, a node by its number, or spread over a group: evenly over lines and surfaces, in equal parts over
+/// nodes.
 struct StaticForce {
   Name at;
   std::array<double, 3> force{}, moment{};  ///< [N], [N m]

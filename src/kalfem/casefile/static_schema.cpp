@@ -19,7 +19,8 @@ Schema<StaticCase> static_case() {
   const auto force =
       Fields<StaticForce>()
           .required("at", &StaticForce::at, name(),
-                    "one of `nodes`, a node number, or a group of nodes that share the load equally")
+                    "one of `nodes`, a node number, or a group: the load is spread evenly over its lines or surfaces, or "
+                    "shared equally by its nodes")
           .optional("force", &StaticForce::force, tuple<3>(number("N")), "force along x, y, z, of the whole group")
           .optional("moment", &StaticForce::moment, tuple<3>(number("N m")), "moment about x, y, z, of the whole group")
           .check([](const StaticForce& given) -> std::vector<Issue> {

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <charconv>
+#include <map>
 
 #include "kalfem/casefile/description.hpp"
+#include "kalfem/model/statics/geometric_stiffness.hpp"
 #include "kalfem/study/assembly.hpp"
 #include "kalfem/yaml/bounds.hpp"
 
@@ -21,13 +23,19 @@ public:
   LoadPlaces(const FiniteElementPart& part, IssueList& issues)
       : part_(part), mesh_(part.elements.mesh), finder_(mesh_), issues_(issues) {}
 
-  /// A named node, a node number or a group.
-  [[nodiscard]] std::vector<Index> nodes(const Name& place) const {
+  /// Nodes with the part of a load that each takes: a named node, a node number, a group of lines or surfaces, or a
+  /// group of nodes, which share it equally.
+  [[nodiscard]] std::map<Index, double> shares(const Name& place) const {
     if (const auto named = std::ranges::find(part_.nodes, place.value, &NamedNode::name); named != part_.nodes.end())
-      return {named->node};
-    if (const auto set = mesh_.node_sets.find(place.value); set != mesh_.node_sets.end()) return set->second;
-    if (const Index node = numbered(place.value); node >= 0) return {node};
-    if (auto found = nodes_of_cells(place.value); !found.empty()) return found;
+      return {{named->node, 1.0}};
+    if (const auto cells = part_.load_groups.find(place.value); cells != part_.load_groups.end())
+      return uniform_shares(mesh_, cells->second);
+    if (const auto set = mesh_.node_sets.find(place.value); set != mesh_.node_sets.end()) {
+      std::map<Index, double> equal;
+      for (const auto node : set->second) equal[node] = 1.0 / static_cast<double>(set->second.size());
+      return equal;
+    }
+    if (const Index node = numbered(place.value); node >= 0) return {{node, 1.0}};
     issues_.add(place.location, place.path + ": there is no node or group '" + place.value + "'" + hint(place.value),
                 "a load needs something to act on", "name one of `nodes`, a node number or a group of the mesh");
     return {};
@@ -81,18 +89,6 @@ private:
     return error == std::errc{} && end == word.data() + word.size() ? finder_.find(number) : -1;
   }
 
-  [[nodiscard]] std::vector<Index> nodes_of_cells(const std::string& group) const {
-    std::vector<Index> all;
-    if (const auto cells = part_.load_groups.find(group); cells != part_.load_groups.end())
-      for (const auto cell : cells->second) {
-        const auto own = mesh_.nodes_of(mesh_.cells[static_cast<std::size_t>(cell)]);
-        all.insert(all.end(), own.begin(), own.end());
-      }
-    std::ranges::sort(all);
-    all.erase(std::unique(all.begin(), all.end()), all.end());
-    return all;
-  }
-
   const FiniteElementPart& part_;
   const Mesh& mesh_;
   NodeFinder finder_;
@@ -101,12 +97,9 @@ private:
 
 LoadCase load_case_of(const std::string& name, const d::StaticCase& given, const LoadPlaces& places) {
   LoadCase load_case{.name = name, .gravity = vector(given.gravity)};
-  for (const auto& force : given.forces) {
-    const auto nodes = places.nodes(force.at);
-    const double share = 1.0 / static_cast<double>(nodes.size());
-    for (const auto node : nodes)
+  for (const auto& force : given.forces)
+    for (const auto& [node, share] : places.shares(force.at))
       load_case.loads.push_back({node, share * vector(force.force), share * vector(force.moment)});
-  }
   for (const auto& pressure : given.pressures)
     load_case.pressures.push_back({places.faces(pressure.on), pressure.pressure});
   for (const auto& [dof_name, value] : given.displacements)
@@ -143,14 +136,35 @@ FiniteElementPartPtr loaded_part(const d::Statics& given, const StructureModel& 
 
 }  // namespace
 
-std::vector<std::string> load_groups_of(const d::Case& given, const std::string& substructure) {
+const d::Statics* statics_of(const d::Case& given, const std::string& substructure) {
+  const bool has = given.statics && given.statics->value.substructure.value == substructure;
+  return has ? &given.statics->value : nullptr;
+}
+
+std::vector<std::string> load_groups_of(const d::Statics* statics) {
   std::vector<std::string> groups;
-  if (!given.statics || given.statics->value.substructure.value != substructure) return groups;
-  for (const auto& [name, each] : given.statics->value.cases) {
+  if (!statics) return groups;
+  for (const auto& [name, each] : statics->cases) {
     for (const auto& force : each.value.forces) groups.push_back(force.at.value);
     for (const auto& pressure : each.value.pressures) groups.push_back(pressure.on.value);
   }
   return groups;
+}
+
+SparseMatrix preload_stiffness(const FiniteElementPart& part, const Name& load_case, const d::Statics* statics) {
+  const auto none = d::Statics{};
+  const auto& cases = (statics ? *statics : none).cases;
+  const auto found = std::ranges::find(cases, load_case.value, [](const auto& each) { return each.first; });
+  if (found == cases.end())
+    throw InvalidInput(Issue{load_case.location,
+                             load_case.path + ": `static` has no load case '" + load_case.value + "' of '" + part.name +
+                                 "'",
+                             "a preload is the stress of a static load case", "describe it under static.cases"});
+  IssueList issues;
+  const LoadCase loads = load_case_of(found->first, found->second.value, LoadPlaces(part, issues));
+  issues.raise();
+  const auto solution = solve_statics(part.elements, loads);
+  return geometric_stiffness(part.elements, recover_stresses(part.elements, solution.displacements, loads.gravity));
 }
 
 StaticsPlan make_statics_plan(const d::Case& given, const StructureModel& structure, IssueList& issues) {

@@ -13,7 +13,8 @@ class IssueList;
 struct StructureModel;
 namespace description {
 struct Case;
-}
+struct Statics;
+}  // namespace description
 
 /// Static load cases of a finite-element substructure, checked and factored.
 struct StaticsPlan {
@@ -26,7 +27,14 @@ struct StaticsPlan {
 /// exist, a pressure where there are no faces, and everything that StaticAnalysis refuses.
 StaticsPlan make_statics_plan(const description::Case& given, const StructureModel& structure, IssueList& issues);
 
-/// Groups of a substructure's mesh that its static loads name.
-std::vector<std::string> load_groups_of(const description::Case& given, const std::string& substructure);
+/// The load cases of a substructure; null where the case has none of it.
+const description::Statics* statics_of(const description::Case& given, const std::string& substructure);
+/// Groups of the mesh that loads name.
+std::vector<std::string> load_groups_of(const description::Statics* statics);
+
+/// The stiffness that the stresses of a load case give a part, see geometric_stiffness(); the part is not assembled yet.
+/// Throws InvalidInput where there is no such load case and as make_statics_plan() does.
+SparseMatrix preload_stiffness(const FiniteElementPart& part, const Located<std::string>& load_case,
+                               const description::Statics* statics);
 
 }  // namespace kalfem

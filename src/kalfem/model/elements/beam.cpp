@@ -63,6 +63,13 @@ public:
     return (1.0 - s) * slopes_of_end(0) + s * slopes_of_end(6) + 6.0 / length_ * s * (s - 1.0) * share_ * sway();
   }
 
+  /// Slopes of the deflections, which differ from the turns of the section by the shear strain.
+  [[nodiscard]] Pair deflection_slopes(double s) const {
+    return (deflections_of_end(6) - deflections_of_end(0)) / length_ +
+           0.5 * (1.0 - 2.0 * s) * (slopes_of_end(0) - slopes_of_end(6)) +
+           2.0 / length_ * (3.0 * s * (s - 1.0) + 0.5) * share_ * sway();
+  }
+
 private:
   /// Ends out of line with their mean slope.
   [[nodiscard]] Pair sway() const {
@@ -129,12 +136,13 @@ struct LineMass {
   Eigen::Matrix2d rotary = Eigen::Matrix2d::Zero();
 };
 
-/// By the Gauss rule of four points: exact for the products of cubics.
+// Gauss's rule of four points on [-1, 1]: exact for the products of cubics.
+constexpr std::array<double, 4> places = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
+                                          0.8611363115940526};
+constexpr std::array<double, 4> weights = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
+                                           0.3478548451374538};
+
 Matrix12 consistent_mass(const LineMass& line, const BeamSection& section, const Bending& bending, double l) {
-  constexpr std::array<double, 4> places = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
-                                            0.8611363115940526};
-  constexpr std::array<double, 4> weights = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
-                                             0.3478548451374538};
   const Eigen::Vector2d from_centroid = line.place - section.centroid;
   Matrix12 mass = Matrix12::Zero();
   for (std::size_t i = 0; i < places.size(); ++i) {
@@ -324,6 +332,19 @@ std::array<SectionForces, 2> beam_forces(const Eigen::Matrix<double, 3, 2>& ends
       (axial_at_centroid(section.centroid) * line_motions);
   const Vector12 forces = elastic - axial_at_centroid(-section.centroid).transpose() * loads;
   return {SectionForces(-forces.head<6>()), SectionForces(forces.tail<6>())};
+}
+
+Eigen::MatrixXd beam_geometric_stiffness(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty& property,
+                                         const BeamPlacement& placement, double poissons_ratio, double axial_force) {
+  const PlacedBeam placed(ends, property.section, placement, poissons_ratio);
+  const Bending bending(property.section, placed.length, poissons_ratio);
+  Matrix12 local = Matrix12::Zero();
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Pair slopes = bending.deflection_slopes(0.5 * (1.0 + places[i]));
+    local += 0.5 * placed.length * weights[i] * axial_force * slopes.transpose() * slopes;
+  }
+  const Matrix12 transform = placed.not_released * placed.to_line;
+  return transform.transpose() * local * transform;
 }
 
 // sigma = N / A + a y + b z with M_y = int z sigma dA and M_z = -int y sigma dA.

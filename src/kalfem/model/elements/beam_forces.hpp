@@ -22,6 +22,11 @@ std::array<SectionForces, 2> beam_forces(const Eigen::Matrix<double, 3, 2>& ends
                                          MassKind mass_kind, const Eigen::VectorXd& motions,
                                          const Eigen::Vector3d& acceleration = Eigen::Vector3d::Zero());
 
+/// Stiffness that an axial force N (tension > 0) gives a beam across its line, int N (v'^2 + w'^2) dx / 2 of the
+/// deflections of beam(), in the motions of the nodes. The turn of the section about the line is left out.
+Eigen::MatrixXd beam_geometric_stiffness(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty& property,
+                                         const BeamPlacement& placement, double poissons_ratio, double axial_force);
+
 /// Smallest and largest axial stress in a section [Pa].
 struct FibreStress {
   double lowest = 0.0, highest = 0.0;

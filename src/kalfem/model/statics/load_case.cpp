@@ -79,7 +79,36 @@ Eigen::Matrix3Xd area_shares(CellShape shape, const FaceNodes& places) {
   return shares;
 }
 
+/// int N_i over a cell of size 1, of a corner or a middle node.
+double uniform_share(CellShape shape, bool is_corner) {
+  switch (shape) {
+    case CellShape::line3:
+      return is_corner ? 1.0 / 6.0 : 2.0 / 3.0;
+    case CellShape::triangle6:
+      return is_corner ? 0.0 : 1.0 / 3.0;
+    case CellShape::quadrilateral8:
+      return is_corner ? -1.0 / 12.0 : 1.0 / 3.0;
+    default:
+      return 1.0 / node_count(shape);
+  }
+}
+
 }  // namespace
+
+std::map<Eigen::Index, double> uniform_shares(const Mesh& mesh, const std::vector<Eigen::Index>& cells) {
+  std::map<Eigen::Index, double> shares;
+  double total = 0.0;
+  for (const auto index : cells) {
+    const auto& cell = mesh.cells[static_cast<std::size_t>(index)];
+    const auto nodes = mesh.nodes_of(cell);
+    const double size = dimension(cell.shape) == 0 ? 1.0 : std::abs(cell_measure(mesh, cell));
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      shares[nodes[i]] += size * uniform_share(cell.shape, static_cast<int>(i) < corner_count(cell.shape));
+    total += size;
+  }
+  for (auto& [node, share] : shares) share /= total;
+  return shares;
+}
 
 Eigen::VectorXd nodal_forces(const FiniteElementModel& model, const LoadCase& load_case) {
   Eigen::VectorXd forces = Eigen::VectorXd::Zero(6 * model.mesh.node_count());

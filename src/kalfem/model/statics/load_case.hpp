@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <array>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,11 @@ struct LoadCase {
 /// Forces of the loads and pressures at every degree of freedom, 6 to a node; without gravity. Pressure is integrated
 /// by the shape functions of the face, f_i = -p int N_i n dA, exactly for straight sides.
 Eigen::VectorXd nodal_forces(const FiniteElementModel& model, const LoadCase& load_case);
+
+/// Parts of a load that is spread evenly over cells, by node; they sum up to 1. Lines and surfaces count by their
+/// length and area with their shape functions, exactly where sides are straight and quadrilaterals parallelograms;
+/// other cells with equal parts.
+std::map<Eigen::Index, double> uniform_shares(const Mesh& mesh, const std::vector<Eigen::Index>& cells);
 
 /// Faces of a group on which pressure can act, cell by cell:
 /// * a region of shells: these;
