@@ -11,6 +11,7 @@
 #include "kalfem/identification/record_estimate.hpp"
 #include "kalfem/pipeline/inference_outcome.hpp"
 #include "kalfem/pipeline/placement_outcome.hpp"
+#include "kalfem/pipeline/statics_outcome.hpp"
 #include "kalfem/pipeline/validation_outcome.hpp"
 #include "kalfem/prediction/base_driven.hpp"
 #include "kalfem/records/spectrum.hpp"
@@ -154,6 +155,7 @@ struct StudyResults {
   std::vector<StructuralModificationResult> modifications;
   std::optional<InferenceOutcome> inference;
   std::optional<PlacementOutcome> placement;
+  std::optional<StaticsOutcome> statics;
   std::vector<std::string> warnings;  ///< about the results, in addition to those of the study
   Verdict verdict;
   std::optional<IdentifiedCase> identified;  ///< of a usable run with an estimation or an updating
@@ -170,7 +172,7 @@ struct StudyResults {
 };
 
 /// What a run ends with: the step that a verb of the command names, with all that it needs; or everything.
-enum class Step { modes, simulate, estimate, predict, update, infer, place, everything };
+enum class Step { modes, simulate, estimate, predict, update, infer, place, statics, everything };
 
 struct RunOptions {
   Progress progress = {};             ///< of the whole run: "simulate (1 of 3): reference 3 of at most 7"

@@ -10,6 +10,7 @@
 #include "kalfem/report/found_parameters.hpp"
 #include "kalfem/report/inference_tables.hpp"
 #include "kalfem/report/placement_report.hpp"
+#include "kalfem/report/statics_report.hpp"
 #include "kalfem/report/tables.hpp"
 
 namespace kalfem {
@@ -118,6 +119,8 @@ std::string answer(const Study& study, const StudyResults& results) {
     say(inference_answer(*results.inference));
   else if (results.placement)
     say(placement_answer(*results.placement));
+  else if (!results.simulation && results.statics)
+    say(statics_answer(*results.statics));
   else if (!results.updating)
     say(results.simulation ? "The simulation is complete." : "Modes computed.");
   if (results.estimation && results.inference) say(law_words(*results.inference));

@@ -21,6 +21,7 @@
 #include "kalfem/pipeline/simulation_checkpoint.hpp"
 #include "kalfem/pipeline/updating_checkpoint.hpp"
 #include "kalfem/report/nodal_translations.hpp"
+#include "kalfem/report/statics_report.hpp"
 
 namespace kalfem {
 namespace {
@@ -40,15 +41,18 @@ void write_series(const fs::path& folder, const FiniteElementPart& part, const F
 }
 
 /// For ParaView: <substructure>_modes.vtu with the modes of each finite-element substructure, and for each field series
-/// <name>.pvd with a folder <name>/ of one .vtu a time.
+/// <name>.pvd with a folder <name>/ of one .vtu a time; the fields of static load cases.
 void write_fields(const std::string& folder, const Study& study, const StudyResults& results) {
   for (const auto& elements : study.structure->finite_elements) {
     if (elements.part->elements.mesh.cells.empty()) continue;
     for (const auto& modes : results.modes)
-      if (modes.name == elements.part->name) write_modes(folder, *elements.part, modes);
+      if (modes.name == elements.part->name && modes.frequencies.size() > 0)
+        write_modes(folder, *elements.part, modes);
     for (const auto& series : results.fields)
       if (series.substructure == elements.part->name) write_series(folder, *elements.part, series);
   }
+  if (results.statics && !study.statics->part->elements.mesh.cells.empty())
+    write_static_fields(folder, *study.statics, *results.statics);
 }
 
 using Json = nlohmann::ordered_json;
@@ -64,7 +68,7 @@ bool is_main_file(const std::string& name) { return std::ranges::find(main_files
 /// may come from anywhere.
 bool is_of_substructure(const std::string& name) {
   static const std::regex pattern(
-      "[A-Za-z0-9_-]+(_modes[.]vtu|_reduced(_[KMC])?[.](mtx|dmig|op4|h5|dof)|"
+      "[A-Za-z0-9_-]+(_(modes|static)[.]vtu|_reduced(_[KMC])?[.](mtx|dmig|op4|h5|dof)|"
       "_(simulated|estimated)([.]pvd|/[0-9]+[.]vtu))");
   constexpr std::size_t longest = 200;  // longer than any; regular expressions are recursive
   return name.size() <= longest && std::regex_match(name, pattern);
@@ -204,6 +208,7 @@ void require_result_places(const fs::path& folder, const Study& study) {
   if (study.updating) names.emplace_back(checkpoint_name);
   if (study.inference) names.emplace_back(likelihoods_name);
   for (const auto& elements : study.structure->finite_elements) names.push_back(elements.part->name + "_modes.vtu");
+  if (study.statics) names.push_back(study.statics->part->name + "_static.vtu");
   std::error_code ignored;
   for (const auto& name : names)
     if (fs::is_directory(folder / name, ignored)) fail_to_write(folder / name, EISDIR);

@@ -14,6 +14,7 @@
 #include "kalfem/report/placement_report.hpp"
 #include "kalfem/report/process_noise_report.hpp"
 #include "kalfem/report/sections.hpp"
+#include "kalfem/report/statics_report.hpp"
 #include "kalfem/report/structure_picture.hpp"
 #include "kalfem/report/structure_scene.hpp"
 #include "kalfem/report/summary_parts.hpp"
@@ -251,6 +252,7 @@ Page make_page(const Study& study, const StudyResults& results) {
                                  (results.updating ? deviations_leave_out : ""),
                              {modification_table(results.modifications)}});
   if (results.placement) page.sections.push_back(placement_section(study, *results.placement));
+  if (results.statics) page.sections.push_back(statics_section(*study.statics, *results.statics));
   if (results.inference) page.sections.push_back(inference_section(*results.inference));
   if (estimated && !measured_first) page.sections.push_back(sensors_section(study, *results.estimation));
   if (results.validation) page.sections.push_back(validation_section(study, *results.validation));

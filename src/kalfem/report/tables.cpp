@@ -15,6 +15,7 @@
 #include "kalfem/report/frequency_report.hpp"
 #include "kalfem/report/inference_report.hpp"
 #include "kalfem/report/placement_report.hpp"
+#include "kalfem/report/statics_report.hpp"
 #include "kalfem/report/process_noise_report.hpp"
 #include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/updating_tables.hpp"
@@ -334,7 +335,8 @@ std::string console_report(const Study& study, const StudyResults& results) {
   if (!study.structure->finite_elements.empty())
     text += fmt::format("read, assembled and reduced in {:.1f} s\n\n", study.reduce_seconds);
   if (results.placement) text += console_placement(*results.placement);
-  if (!results.simulation && !results.estimation && !results.placement && !results.inference)
+  if (results.statics) text += console_statics(*study.statics, *results.statics);
+  if (!results.simulation && !results.estimation && !results.placement && !results.inference && !results.statics)
     text += to_text(modes_table(study, results)) + "\n";
   if (results.simulation) {
     const auto& reference = results.simulation->reference;

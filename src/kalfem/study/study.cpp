@@ -108,6 +108,7 @@ public:
     make_estimation();
     make_validation();
     make_inference();
+    make_statics();
     raise_in_line_order(steps_.issues());
     add_warnings();
     return std::move(study_);  // without the rest that only the making needs
@@ -202,6 +203,12 @@ private:
     });
   }
 
+  void make_statics() {
+    step(static_analysis, {substructures, elements, statics}, {"static"}, [&](IssueList& issues) {
+      if (study_.given.statics) study_.statics = make_statics_plan(study_.given, *structure_, issues);
+    });
+  }
+
   void step(StudyItem result, StudyItems needs, std::vector<std::string> key,
             const std::function<void(IssueList&)>& make) {
     steps_.run({result, std::move(needs), std::move(key)}, make);
@@ -219,7 +226,7 @@ private:
   /// Finite elements are assembled for the points and parameters that other sections name.
   [[nodiscard]] StudyItems needs_of_elements() const {
     if (!has_finite_elements(study_.given)) return {substructures};
-    return {substructures, connectors, excitation, sensors, simulate, estimate, update, modifications};
+    return {substructures, connectors, excitation, sensors, simulate, estimate, update, modifications, statics};
   }
 
   /// Other problems of the excitation do not matter to its signals.

@@ -12,6 +12,7 @@
 #include "kalfem/study/inference_plan.hpp"
 #include "kalfem/study/placement_plan.hpp"
 #include "kalfem/study/run_plan.hpp"
+#include "kalfem/study/statics_plan.hpp"
 #include "kalfem/study/validation_plan.hpp"
 #include "kalfem/yaml/case_changes.hpp"
 
@@ -51,6 +52,7 @@ struct Study {
   std::vector<StructuralModification> modifications;
   std::optional<InferencePlan> inference;  ///< if the case has `infer`
   std::optional<PlacementPlan> placement;  ///< if the case has `place`
+  std::optional<StaticsPlan> statics;      ///< if the case has `static`
   ReportPlan report;
   std::vector<std::string> warnings;  ///< settings that are allowed but are probably a mistake
 
