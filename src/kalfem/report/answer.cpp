@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-#include "kalfem/report/found_parameters.hpp"
+#include "kalfem/report/identified_parameters.hpp"
 #include "kalfem/report/inference_tables.hpp"
 #include "kalfem/report/placement_report.hpp"
 #include "kalfem/report/statics_report.hpp"
@@ -49,14 +49,14 @@ std::string sensors_in_words(const Study& study, const Record& record) {
 }
 
 /// "known to 0.3 % (mu_k1) to 2 % (mu_c1)"
-std::string precision_in_words(const std::vector<FoundParameter>& parameters) {
-  const auto relative = [](const FoundParameter& each) { return each.deviation / std::abs(each.value); };
-  std::vector<const FoundParameter*> known;
+std::string precision_in_words(const std::vector<IdentifiedParameter>& parameters) {
+  const auto relative = [](const IdentifiedParameter& each) { return each.deviation / std::abs(each.value); };
+  std::vector<const IdentifiedParameter*> known;
   for (const auto& each : parameters)
     if (std::isfinite(relative(each)) && each.deviation > 0.0) known.push_back(&each);
   if (known.empty()) return "";
   const auto [best, worst] = std::ranges::minmax_element(known, {}, [&](const auto* each) { return relative(*each); });
-  const auto words = [&](const FoundParameter& each) {
+  const auto words = [&](const IdentifiedParameter& each) {
     return fmt::format("{:.2g} % ({})", 100.0 * relative(each), each.name);
   };
   return known.size() == 1 ? "standard deviation " + words(**best)
@@ -64,7 +64,7 @@ std::string precision_in_words(const std::vector<FoundParameter>& parameters) {
 }
 
 /// Up to three parameters with their values, more by their number.
-std::string found_in_words(const std::vector<FoundParameter>& parameters) {
+std::string found_in_words(const std::vector<IdentifiedParameter>& parameters) {
   constexpr std::size_t most = 3;
   if (parameters.size() > most) return counted(parameters.size(), "parameter");
   std::vector<std::string> words;
@@ -79,7 +79,7 @@ std::string updated_in_words(const UpdatingOutcome& outcome) {
 }
 
 std::string estimated_in_words(const Study& study, const EstimationOutcome& outcome,
-                               const std::vector<FoundParameter>& parameters) {
+                               const std::vector<IdentifiedParameter>& parameters) {
   const auto& record = outcome.measurements;
   const std::string from =
       fmt::format("from {} over {} s", sensors_in_words(study, record), four_digits(record.end() - record.start));
@@ -114,7 +114,7 @@ std::string answer(const Study& study, const StudyResults& results) {
   if (!results.complete()) return results.why_unusable();
   if (results.updating) say(updated_in_words(*results.updating));
   if (results.estimation)
-    say(estimated_in_words(study, *results.estimation, found_unknowns(study, *results.estimation)));
+    say(estimated_in_words(study, *results.estimation, identified_unknowns(study, *results.estimation)));
   else if (results.inference)
     say(inference_answer(*results.inference));
   else if (results.placement)

@@ -7,8 +7,8 @@
 
 #include "kalfem/report/adaptive_noise_report.hpp"
 #include "kalfem/report/answer.hpp"
-#include "kalfem/report/found_parameters.hpp"
 #include "kalfem/report/frequency_report.hpp"
+#include "kalfem/report/identified_parameters.hpp"
 #include "kalfem/report/inference_report.hpp"
 #include "kalfem/report/inference_tables.hpp"
 #include "kalfem/report/placement_report.hpp"
@@ -137,8 +137,8 @@ Section validation_section(const Study& study, const ValidationOutcome& outcome)
 /// What fits on the first screen: the parameters, and the structure with the names of everything.
 Section overview_section(const Study& study, const StudyResults& results) {
   Section section{"Overview", "", {}};
-  if (const auto found = found_parameters(study, results); !found.empty())
-    section.items.emplace_back(found_parameter_table(found));
+  if (const auto found = identified_parameters(study, results); !found.empty())
+    section.items.emplace_back(identified_parameter_table(found));
   if (auto picture = structure_picture(study)) section.items.emplace_back(std::move(*picture));
   return section;
 }

@@ -12,7 +12,7 @@
 namespace kalfem {
 
 /// What a run found about one parameter, by whichever step looked for it.
-struct FoundParameter {
+struct IdentifiedParameter {
   std::string name, unit;            ///< SI
   std::string own_unit;              ///< in which the case states it; empty: none
   double value = 0.0;                ///< [unit]
@@ -26,14 +26,14 @@ struct FoundParameter {
 };
 
 /// Of the filter's unknowns, those of the measurement among them.
-std::vector<FoundParameter> found_unknowns(const Study& study, const EstimationOutcome& outcome);
+std::vector<IdentifiedParameter> identified_unknowns(const Study& study, const EstimationOutcome& outcome);
 /// Of the filter's unknowns and the updated parameters, or, without these, of the inference.
-std::vector<FoundParameter> found_parameters(const Study& study, const StudyResults& results);
+std::vector<IdentifiedParameter> identified_parameters(const Study& study, const StudyResults& results);
 
 /// "19.98 ± 0.05 N": in the unit and with the digits that people read.
-std::string value_in_words(const FoundParameter& parameter);
+std::string value_in_words(const IdentifiedParameter& parameter);
 
 /// One row a parameter: value, z where the truth is known, and a bar from the prior's interval to the posterior's.
-Table found_parameter_table(const std::vector<FoundParameter>& parameters);
+Table identified_parameter_table(const std::vector<IdentifiedParameter>& parameters);
 
 }  // namespace kalfem

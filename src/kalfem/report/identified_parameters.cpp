@@ -1,4 +1,4 @@
-#include "kalfem/report/found_parameters.hpp"
+#include "kalfem/report/identified_parameters.hpp"
 
 #include <fmt/format.h>
 
@@ -21,7 +21,7 @@ Interval about(double value, double deviation) {
   return {value - half, value + half};
 }
 
-void add_unknowns(const Study& study, const EstimationOutcome& outcome, std::vector<FoundParameter>& found) {
+void add_unknowns(const Study& study, const EstimationOutcome& outcome, std::vector<IdentifiedParameter>& found) {
   if (!outcome.has_samples()) return;
   const Index last = outcome.result.unknowns.mean.cols() - 1, first = outcome.augmented_model->layout().unknown();
   const auto& unknowns = outcome.augmented_model->options().unknowns;
@@ -43,7 +43,7 @@ void add_unknowns(const Study& study, const EstimationOutcome& outcome, std::vec
 }
 
 void add_likelihood_unknowns(const Study& study, const LikelihoodEstimate& likelihood,
-                             std::vector<FoundParameter>& found) {
+                             std::vector<IdentifiedParameter>& found) {
   for (std::size_t i = 0; i < likelihood.unknowns.size(); ++i) {
     const auto& unknown = likelihood.unknowns[i];
     const auto row = static_cast<Index>(i);
@@ -59,7 +59,7 @@ void add_likelihood_unknowns(const Study& study, const LikelihoodEstimate& likel
   }
 }
 
-void add_updated(const Study& study, const UpdatingOutcome& outcome, std::vector<FoundParameter>& found) {
+void add_updated(const Study& study, const UpdatingOutcome& outcome, std::vector<IdentifiedParameter>& found) {
   const auto deviation_in = [](const Eigen::VectorXd& deviations, Index i) {
     return i < deviations.size() ? deviations[i] : std::nan("");
   };
@@ -68,30 +68,30 @@ void add_updated(const Study& study, const UpdatingOutcome& outcome, std::vector
     const auto row = static_cast<Index>(i);
     const double value = outcome.values[row];
     const auto interval = parameter_interval(parameter, row, value, outcome.statistics, outcome.robust);
-    FoundParameter own{.name = parameter.name,
-                       .unit = parameter.unit,
-                       .own_unit = study.written_unit(parameter.name),
-                       .value = value,
-                       .deviation = std::fmax(deviation_in(outcome.statistics.deviations, row),
-                                              deviation_in(outcome.robust.deviations, row)),
-                       .truth = study.updating->true_parameters[i]};
+    IdentifiedParameter own{.name = parameter.name,
+                            .unit = parameter.unit,
+                            .own_unit = study.written_unit(parameter.name),
+                            .value = value,
+                            .deviation = std::fmax(deviation_in(outcome.statistics.deviations, row),
+                                                   deviation_in(outcome.robust.deviations, row)),
+                            .truth = study.updating->true_parameters[i]};
     if (std::isfinite(parameter.deviation)) own.prior = about(parameter.initial, parameter.deviation);
     if (interval) own.interval = Interval{interval->lower, interval->upper};
     found.push_back(std::move(own));
   }
 }
 
-void add_inferred(const Study& study, const InferenceOutcome& outcome, std::vector<FoundParameter>& found) {
+void add_inferred(const Study& study, const InferenceOutcome& outcome, std::vector<IdentifiedParameter>& found) {
   for (const auto& each : inferred_values(outcome)) {
     if (!each.posterior) continue;
     const auto interval = [](const ParameterSummary& summary) { return Interval{summary.q2_5, summary.q97_5}; };
-    FoundParameter own{.name = each.name,
-                       .unit = each.unit,
-                       .own_unit = study.written_unit(each.name),
-                       .value = each.posterior->mean,
-                       .deviation = each.posterior->deviation,
-                       .interval = interval(*each.posterior),
-                       .truth = each.truth};
+    IdentifiedParameter own{.name = each.name,
+                            .unit = each.unit,
+                            .own_unit = study.written_unit(each.name),
+                            .value = each.posterior->mean,
+                            .deviation = each.posterior->deviation,
+                            .interval = interval(*each.posterior),
+                            .truth = each.truth};
     if (each.prior) own.prior = interval(*each.prior);
     found.push_back(std::move(own));
   }
@@ -99,7 +99,7 @@ void add_inferred(const Study& study, const InferenceOutcome& outcome, std::vect
 
 /// A line over the prior's interval, a thick one over the posterior's, a tick at the value, a diamond at the truth; all
 /// on one axis that holds them.
-std::string bar_svg(const FoundParameter& parameter) {
+std::string bar_svg(const IdentifiedParameter& parameter) {
   constexpr double width = 190.0, height = 22.0, middle = 0.5 * height, margin = 5.0;
   const Interval posterior = parameter.interval.value_or(Interval{parameter.value, parameter.value});
   const Interval prior = parameter.prior.value_or(posterior);
@@ -133,30 +133,30 @@ std::string bar_svg(const FoundParameter& parameter) {
 
 }  // namespace
 
-std::optional<double> FoundParameter::z() const {
+std::optional<double> IdentifiedParameter::z() const {
   if (!truth || !(deviation > 0.0) || !std::isfinite(deviation)) return std::nullopt;
   return (value - *truth) / deviation;
 }
 
-std::vector<FoundParameter> found_unknowns(const Study& study, const EstimationOutcome& outcome) {
-  std::vector<FoundParameter> found;
+std::vector<IdentifiedParameter> identified_unknowns(const Study& study, const EstimationOutcome& outcome) {
+  std::vector<IdentifiedParameter> found;
   add_unknowns(study, outcome, found);
   if (outcome.likelihood) add_likelihood_unknowns(study, *outcome.likelihood, found);
   return found;
 }
 
-std::vector<FoundParameter> found_parameters(const Study& study, const StudyResults& results) {
-  std::vector<FoundParameter> found;
+std::vector<IdentifiedParameter> identified_parameters(const Study& study, const StudyResults& results) {
+  std::vector<IdentifiedParameter> found;
   if (results.updating) add_updated(study, *results.updating, found);
   if (results.estimation) {
-    const auto unknowns = found_unknowns(study, *results.estimation);
+    const auto unknowns = identified_unknowns(study, *results.estimation);
     found.insert(found.end(), unknowns.begin(), unknowns.end());
   }
   if (found.empty() && results.inference) add_inferred(study, *results.inference, found);
   return found;
 }
 
-std::string value_in_words(const FoundParameter& parameter) {
+std::string value_in_words(const IdentifiedParameter& parameter) {
   const DisplayUnit shown(parameter.unit, {parameter.value, parameter.deviation}, parameter.own_unit);
   const bool is_known = std::isfinite(parameter.deviation) && parameter.deviation > 0.0;
   std::string text = shown.value(parameter.value, parameter.deviation);
@@ -164,7 +164,7 @@ std::string value_in_words(const FoundParameter& parameter) {
   return shown.unit() == "-" || shown.unit().empty() ? text : text + " " + shown.unit();
 }
 
-Table found_parameter_table(const std::vector<FoundParameter>& parameters) {
+Table identified_parameter_table(const std::vector<IdentifiedParameter>& parameters) {
   const bool with_truth = std::ranges::any_of(parameters, [](const auto& each) { return each.z().has_value(); });
   const bool with_prior = std::ranges::any_of(parameters, [](const auto& each) { return each.prior.has_value(); });
   Table table{.title = "What was found",
