@@ -5,6 +5,7 @@
 #include "kalfem/base/version.hpp"
 #include "kalfem/report/data_files.hpp"
 #include "kalfem/report/display_unit.hpp"
+#include "kalfem/report/run_details.hpp"
 #include "kalfem/report/sections.hpp"
 #include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/tables.hpp"
@@ -73,26 +74,6 @@ Table method_table(const Study& study, const StudyResults& results) {
   return table;
 }
 
-Table time_table(const Study& study, const StudyResults& results) {
-  Table table{.title = "Time", .columns = {"step", "seconds"}, .half_width = true};
-  const auto add = [&](const std::string& step, double seconds) {
-    table.rows.push_back({step, fmt::format("{:.2f}", seconds)});
-  };
-  if (!study.structure->finite_elements.empty()) add("reading and reduction", study.reduce_seconds);
-  if (results.simulation) add("simulation", results.simulation->seconds);
-  if (results.updating) add("updating", results.updating->seconds);
-  if (results.estimation) {
-    const auto& time = results.estimation->result.time;
-    add("estimation", results.estimation->seconds);
-    add("of which one pass of the filter: predict", time.predict);
-    add("of which one pass of the filter: update", time.update);
-    add("of which one pass of the filter: output", time.output);
-  }
-  if (results.prediction) add("prediction", results.prediction->seconds);
-  if (results.inference) add("inference", results.inference->seconds);
-  return table;
-}
-
 Table version_table() {
   return {.title = "Versions",
           .columns = {"part", "version"},
@@ -111,7 +92,9 @@ Section provenance_section(const Study& study, const StudyResults& results) {
     if (!table.rows.empty()) section.items.emplace_back(std::move(table));
   if (results.estimation && results.estimation->has_samples())
     section.items.emplace_back(noise_table(*results.estimation));
-  section.items.emplace_back(time_table(study, results));
+  Table timing = timing_table(study, results);
+  timing.half_width = true;
+  section.items.emplace_back(std::move(timing));
   section.items.emplace_back(version_table());
   section.items.emplace_back(Listing{"The case with all its defaults", study.resolved_case});
   return section;
