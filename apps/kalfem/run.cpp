@@ -37,6 +37,7 @@ void require_section(const Study& study, Step asked) {
   if (asked == Step::update) require(study.updating.has_value(), "update");
   if (asked == Step::infer) require(study.inference.has_value(), "infer");
   if (asked == Step::place) require(study.placement.has_value(), "place");
+  if (asked == Step::statics) require(study.statics.has_value(), "static");
 }
 
 /// Every reason for the verdict, worst first.

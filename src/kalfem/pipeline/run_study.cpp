@@ -14,6 +14,7 @@
 #include "kalfem/pipeline/run_identified_case.hpp"
 #include "kalfem/pipeline/run_inference.hpp"
 #include "kalfem/pipeline/run_placement.hpp"
+#include "kalfem/pipeline/run_statics.hpp"
 #include "kalfem/pipeline/run_steps.hpp"
 #include "kalfem/pipeline/run_updating.hpp"
 #include "kalfem/pipeline/run_validation.hpp"
@@ -212,7 +213,7 @@ namespace {
 bool takes(Step step, Step last) {
   if (last == Step::everything) return true;
   if (last == Step::infer) return step == Step::simulate || step == Step::estimate || step == Step::infer;
-  if (last == Step::place) return step == Step::place;
+  if (last == Step::place || last == Step::statics) return step == last;
   return step <= last;
 }
 
@@ -243,7 +244,8 @@ void take_steps(const Study& study, Step last, const RunOptions& options, StudyR
     return own;
   };
   const bool updates = takes(Step::update, last) && study.updating;
-  results.modes = substructure_modes(study, study.report.modes);
+  results.modes = substructure_modes(study, last == Step::statics ? 0 : study.report.modes);
+  if (takes(Step::statics, last) && study.statics) results.statics = run_statics(*study.statics, results.warnings);
   if (takes(Step::simulate, last) && study.simulation) take_simulation(study, options, job.begin("simulate"), results);
   std::optional<Updated> updated;
   if (results.complete() && updates) {

@@ -18,6 +18,8 @@ Table attempts_table(const EstimationOutcome& outcome) {
   return table;
 }
 
+}  // namespace
+
 Table timing_table(const Study& study, const StudyResults& results) {
   Table table{"Time", {"step", "seconds"}, {}, {}};
   const auto add = [&](const std::string& step, double seconds) {
@@ -39,8 +41,6 @@ Table timing_table(const Study& study, const StudyResults& results) {
   add("in all", results.total_seconds);
   return table;
 }
-
-}  // namespace
 
 std::string console_details(const Study& study, const StudyResults& results) {
   std::string text;

@@ -125,12 +125,12 @@ private:
     if (!estimate) return;
     Chart chart{.title = "Displacement of " + point,
                 .x_label = "time [s]",
-                .y_label = "displacement [m]",
                 .x = times_of(*estimate),
                 .series = {{.label = "estimate", .y = series_values(*estimate), .role = Role::estimate}}};
     if (chart.x.size() != chart.series.front().y.size()) return;
     if (auto truth = curve("simulated", "/truth/" + path, Role::truth, chart.x.size()))
       chart.series.push_back(std::move(*truth));
+    chart = with_readable_ordinates(std::move(chart), "displacement", "m");
     add("displacement-" + point, chart);
     chart.x_window = about_the_largest(chart.x, chart.series.back().y);
     chart.title += ", zoomed";

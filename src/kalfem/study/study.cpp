@@ -19,9 +19,15 @@
 #include "kalfem/study/structural_modifications.hpp"
 #include "kalfem/study/study_elements.hpp"
 #include "kalfem/study/updating_setup.hpp"
+#include "kalfem/study/written_units.hpp"
 #include "kalfem/yaml/case_reader.hpp"
 
 namespace kalfem {
+
+std::string Study::written_unit(const std::string& parameter) const {
+  const auto found = units.find(parameter);
+  return found == units.end() ? "" : found->second;
+}
 
 double Study::sample_rate() const {
   return record ? record->record.sample_rate : simulation ? simulation->sample_rate : 0.0;
@@ -90,6 +96,8 @@ public:
     study_.structure = structure_;
     leave_out_unread_sections();
     study_.description = std::make_shared<const d::Case>(study_.given);
+    study_.files = study_.given.source.files();
+    study_.units = written_units(study_.given.source);
     step(component, {}, {"component"}, [&](IssueList& issues) { expand_component(study_.given, issues); });
   }
 
@@ -100,6 +108,7 @@ public:
     make_estimation();
     make_validation();
     make_inference();
+    make_statics();
     raise_in_line_order(steps_.issues());
     add_warnings();
     return std::move(study_);  // without the rest that only the making needs
@@ -194,6 +203,12 @@ private:
     });
   }
 
+  void make_statics() {
+    step(static_analysis, {substructures, elements, statics}, {"static"}, [&](IssueList& issues) {
+      if (study_.given.statics) study_.statics = make_statics_plan(study_.given, *structure_, issues);
+    });
+  }
+
   void step(StudyItem result, StudyItems needs, std::vector<std::string> key,
             const std::function<void(IssueList&)>& make) {
     steps_.run({result, std::move(needs), std::move(key)}, make);
@@ -211,7 +226,7 @@ private:
   /// Finite elements are assembled for the points and parameters that other sections name.
   [[nodiscard]] StudyItems needs_of_elements() const {
     if (!has_finite_elements(study_.given)) return {substructures};
-    return {substructures, connectors, excitation, sensors, simulate, estimate, update, modifications};
+    return {substructures, connectors, excitation, sensors, simulate, estimate, update, modifications, statics};
   }
 
   /// Other problems of the excitation do not matter to its signals.

@@ -7,6 +7,7 @@
 #include "kalfem/study/assembly.hpp"
 #include "kalfem/study/candidate_nodes.hpp"
 #include "kalfem/study/finite_element_part.hpp"
+#include "kalfem/study/statics_plan.hpp"
 
 namespace kalfem {
 namespace {
@@ -102,7 +103,7 @@ void add_finite_elements(StructureModel& structure, CaseStudy& study, const Prog
     ++done;
     try {
       auto [part, notes, warnings] = make_finite_element_part(name, given, attached_points(study.given, name),
-                                                              changing_parameters(study.given, name));
+                                                              changing_parameters(study.given, name), statics_of(study.given, name));
       study.element_notes.push_back({name, std::move(notes)});
       warn_of_notes(study.element_notes.back(), study.warnings);
       for (const auto& warning : warnings) study.warnings.push_back("substructure '" + name + "': " + warning);

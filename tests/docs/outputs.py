@@ -1,0 +1,56 @@
+"""What a page shows of an output, against the output.
+
+The lines of the page are found in the output, in order. A line `...` stands for any lines, `...` within a line for any text. Numbers agree
+if they differ by no more than one in the last digit that the page shows. Spaces do not count.
+"""
+
+import re
+
+NUMBER = re.compile(r"(?<![\w.])[-+]?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?")
+COMMA = re.compile(r",(?=\d{3}\b)")
+
+
+def step_of(text):
+    """One in the last digit of a number as it is written."""
+    mantissa, _, exponent = text.partition("e")
+    return 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
+
+
+def value_of(text):
+    return float(COMMA.sub("", text))
+
+
+def same_number(shown, printed):
+    return abs(value_of(shown) - value_of(printed)) <= 1.001 * step_of(COMMA.sub("", shown))
+
+
+def pattern_of(shown):
+    """Of a line with `...` and numbers: matches the same words with any numbers in their places."""
+    number = r"([-+]?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?)"
+    texts = " ".join(shown.split()).split("...")
+    return re.compile(".*?".join(number.join(map(re.escape, NUMBER.split(text))) for text in texts))
+
+
+def same_line(shown, printed):
+    found = pattern_of(shown).fullmatch(" ".join(printed.split()))
+    return bool(found) and all(map(same_number, NUMBER.findall(shown), found.groups()))
+
+
+def matched(shown, printed):
+    """How many of the lines shown are those printed, from the first on."""
+    pairs = zip(shown, printed)
+    return next((i for i, pair in enumerate(pairs) if not same_line(*pair)), min(len(shown), len(printed)))
+
+
+def first_difference(shown, printed):
+    """The first line of the page that the output does not have where it should, or None."""
+    lines = [line for line in printed.splitlines() if line.strip()]
+    place = 0
+    for part in re.split(r"^\s*\.\.\.\s*$", shown, flags=re.MULTILINE):
+        wanted = [line for line in part.splitlines() if line.strip()]
+        best = max(range(place, len(lines) + 1), key=lambda i: matched(wanted, lines[i:]))
+        found = matched(wanted, lines[best:])
+        if found < len(wanted):
+            return wanted[found]
+        place = best + len(wanted)
+    return None
