@@ -77,6 +77,10 @@ Table without_empty_columns(Table table) {
   return table;
 }
 
+std::string counted(Eigen::Index count, const std::string& noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
 std::string four_digits(double value) { return std::isfinite(value) ? fmt::format("{:.4g}", value) : "-"; }
 
 Table modes_table(const Study& study, const StudyResults& results) {
