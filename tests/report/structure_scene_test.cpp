@@ -28,7 +28,7 @@ substructures:
       regions:
         leg: {material: steel, beam: {section: {rectangle: {width: 20 mm, height: 10 mm}}, up: [0, 1, 0]}}
         arm: {material: steel, beam: {section: {rectangle: {width: 20 mm, height: 10 mm}}, up: [0, 1, 0]}}
-      nodes: {tip: 4, knee: 3, foot: 1}
+      nodes: {tip: 4, knee: 3, middle: 2, foot: 1}
       masses: {head: {at: tip, mass: 1 kg}}
       fixed: {clamp: {nodes: foot}}
     springs: [{name: stay, from: ground, to: knee.x, stiffness: 1e3}]
@@ -36,7 +36,7 @@ substructures:
     reduction: {modes: 6}
 connectors:
   mount: {from: wheel.z, to: mast.tip.z, law: linear, parameters: {k: 1e4, c: 10}}
-  brace: {from: mast.n2.x, to: mast.tip.x, law: linear, parameters: {k: 1e3, c: 1}}
+  brace: {from: mast.middle.x, to: mast.tip.x, law: linear, parameters: {k: 1e3, c: 1}}
 excitation:
   road: {base_displacement: wheel.ground, random: {rms: 1 mm, band: [0.5, 30 Hz], seed: 3}}
   hammer: {force: mast.knee.y, sine: {amplitude: 1 N, frequency: 3 Hz}}
@@ -100,7 +100,7 @@ TEST_F(MastScene, HasEverythingThatStandsOnIt) {
   expect_mark(SceneMarkKind::support, foot, "");
   expect_mark(SceneMarkKind::spring, knee, "");
   EXPECT_EQ(marks(SceneMarkKind::connector).size(), 2u);
-  EXPECT_EQ(marks(SceneMarkKind::boundary).size(), 3u);  // tip, n2 and knee
+  EXPECT_EQ(marks(SceneMarkKind::boundary).size(), 3u);  // tip, middle and knee
   ASSERT_EQ(scene_.lines.size(), 1u);
   EXPECT_EQ(scene_.lines[0].kind, SceneLineKind::connector);
   EXPECT_EQ(scene_.places.col(scene_.lines[0].from), middle);
