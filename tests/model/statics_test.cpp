@@ -176,6 +176,33 @@ TEST(Statics, PressurisedThickCylinderHasLamesStresses) {
   }
 }
 
+// Membrane stress p r / t around a thin cylinder that can lengthen; its normals point outwards, so pressure inside is
+// negative on its top.
+TEST(Statics, PressurisedThinCylinderHasItsMembraneStress) {
+  const double r = 1.0, t = 0.005, p = 1e5;
+  for (const auto shape : {CellShape::quadrilateral4, CellShape::triangle3}) {
+    ShellProblem problem(
+        {24, 6, shape},
+        [&](double u, double v) -> Vector3d {
+          return {r * std::cos(0.5 * pi * u), r * std::sin(0.5 * pi * u), 0.5 * v};
+        },
+        steel, t);
+    problem.fix(problem.grid.side('u', 0), {1, 3, 5});
+    problem.fix(problem.grid.side('u', 1), {0, 4, 5});
+    problem.fix(problem.grid.side('v', 0), {2, 3, 4});
+    const auto faces = faces_of_cells(problem.model, problem.model.mesh.regions.at("shell"));
+    const auto solution = solve_statics(problem.model, {.name = "inside", .pressures = {{faces, -p}}});
+    const auto region = recover_stresses(problem.model, solution.displacements)[0];
+    const Index middle = problem.grid.node(12, 3);
+    EXPECT_NEAR(solution.displacements.segment<3>(6 * middle).head<2>().norm(), p * r * r / (t * steel.youngs_modulus),
+                0.01 * p * r * r / (t * steel.youngs_modulus));
+    for (const auto& mean : nodal_stresses(problem.model.mesh, region))
+      if (mean.node == middle && mean.layer == Layer::middle)
+        EXPECT_NEAR(von_mises(mean.stress), p * r / t, 0.01 * p * r / t);
+    EXPECT_LT(solution.imbalance, 1e-9);
+  }
+}
+
 TEST(Statics, WeightOfABlockStandsOnItsSupport) {
   SolidProblem problem(
       {2, 2, 4, CellShape::hexahedron8, 0.1},
