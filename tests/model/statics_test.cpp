@@ -231,6 +231,34 @@ TEST(Statics, ImposedMotionAndGroundSpringAreInTheBalance) {
   EXPECT_LT(solution.imbalance, 1e-9);
 }
 
+TEST(Statics, ObliqueSpringToTheGroundIsInTheBalance) {
+  auto model = cantilever(2);
+  const double s = std::sqrt(0.5);
+  model.joints.push_back({.name = "stay", .deformation = {{{2, 0}, s}, {{2, 2}, s}}, .stiffness = 4e5});
+  const auto solution = solve_statics(model, {.name = "push", .loads = {{2, {0.0, 0.0, -1000.0}, Vector3d::Zero()}}});
+  const auto& stay = reaction(solution, "stay").sum.force;
+  EXPECT_GT(stay.z(), 100.0);
+  EXPECT_NEAR(stay.x(), stay.z(), 1e-9 * stay.z());
+  EXPECT_NEAR(reaction(solution, "wall").sum.force.z(), 1000.0 - stay.z(), 1e-6);
+  EXPECT_LT(solution.imbalance, 1e-9);
+}
+
+// Imposing a motion on a link's follower must not take a support off its master.
+TEST(Statics, ImposedMotionOfAFollowerLeavesSupportsInPlace) {
+  auto model = beam_model({2.0, 0.0, 0.0}, 2, rectangular_section(0.04, 0.06));
+  const Index lever = add_node(model.mesh, {0.0, 0.0, 0.4});
+  model.links.push_back({"lever", 0, {lever}});
+  clamp(model, "pin", {0}, {0, 1, 2, 3, 5});
+  clamp(model, "end", {2});
+  const auto solution = solve_statics(model, {.name = "turn", .imposed = {{{lever, 0}, 1e-3}}});
+  EXPECT_NEAR(solution.displacements[6 * lever], 1e-3, 1e-15);
+  EXPECT_NEAR(solution.displacements[4], 1e-3 / 0.4, 1e-12);
+  EXPECT_EQ(solution.displacements[0], 0.0);
+  EXPECT_LT(solution.imbalance, 1e-9);
+  const auto held = message_of([&] { solve_statics(model, {.name = "stuck", .imposed = {{{lever, 1}, 1e-3}}}); });
+  EXPECT_NE(held.find("which nothing moves with"), std::string::npos) << held;
+}
+
 // A load on the hub of a rigid link reaches a support at the end of another link.
 TEST(Statics, ReactionsAreExactThroughRigidLinks) {
   auto model = beam_model({2.0, 0.0, 0.0}, 2, rectangular_section(0.04, 0.06));
