@@ -95,8 +95,9 @@ void add_finite_elements(StructureModel& structure, CaseStudy& study, IssueList&
   for (const auto& [name, given] : study.given.substructures) {
     if (!given.finite_elements) continue;
     try {
-      auto [part, notes, warnings] = make_finite_element_part(name, given, attached_points(study.given, name),
-                                                              changing_parameters(study.given, name), statics_of(study.given, name));
+      auto [part, notes, warnings] =
+          make_finite_element_part(name, given, attached_points(study.given, name),
+                                   changing_parameters(study.given, name), statics_of(study.given, name));
       study.element_notes.push_back({name, std::move(notes)});
       warn_of_notes(study.element_notes.back(), study.warnings);
       for (const auto& warning : warnings) study.warnings.push_back("substructure '" + name + "': " + warning);
