@@ -1,7 +1,7 @@
 """What a page shows of an output, against the output.
 
 The lines of the page are found in the output, in order. A line `...` stands for any lines, `...` within a line for any text. Numbers agree
-if they differ by no more than one in the last digit that the page shows. Spaces do not count.
+if they differ by no more than one in the last digit that the page shows. The lengths of spaces and rules do not count.
 """
 
 import re
@@ -24,15 +24,20 @@ def same_number(shown, printed):
     return abs(value_of(shown) - value_of(printed)) <= 1.001 * step_of(COMMA.sub("", shown))
 
 
+def spaced(line):
+    """With single spaces, and rules of a table of one length."""
+    return re.sub(r"-{3,}", "---", " ".join(line.split()))
+
+
 def pattern_of(shown):
     """Of a line with `...` and numbers: matches the same words with any numbers in their places."""
     number = r"([-+]?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?)"
-    texts = " ".join(shown.split()).split("...")
+    texts = spaced(shown).split("...")
     return re.compile(".*?".join(number.join(map(re.escape, NUMBER.split(text))) for text in texts))
 
 
 def same_line(shown, printed):
-    found = pattern_of(shown).fullmatch(" ".join(printed.split()))
+    found = pattern_of(shown).fullmatch(spaced(printed))
     return bool(found) and all(map(same_number, NUMBER.findall(shown), found.groups()))
 
 
