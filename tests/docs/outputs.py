@@ -6,22 +6,22 @@ if they differ by no more than one in the last digit that the page shows. The le
 
 import re
 
-NUMBER = re.compile(r"(?<![\w.])[-+]?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?")
-COMMA = re.compile(r",(?=\d{3}\b)")
+DIGITS = r"[-+]?\d+(?:,\d{3})*(?:\.\d+)?(?:e[-+]?\d+)?"
+NUMBER = re.compile(r"(?<![\w.])" + DIGITS)
 
 
 def step_of(text):
     """One in the last digit of a number as it is written."""
-    mantissa, _, exponent = text.partition("e")
+    mantissa, _, exponent = text.replace(",", "").partition("e")
     return 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
 
 
 def value_of(text):
-    return float(COMMA.sub("", text))
+    return float(text.replace(",", ""))
 
 
 def same_number(shown, printed):
-    return abs(value_of(shown) - value_of(printed)) <= 1.001 * step_of(COMMA.sub("", shown))
+    return abs(value_of(shown) - value_of(printed)) <= 1.001 * step_of(shown)
 
 
 def spaced(line):
@@ -31,7 +31,7 @@ def spaced(line):
 
 def pattern_of(shown):
     """Of a line with `...` and numbers: matches the same words with any numbers in their places."""
-    number = r"([-+]?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?)"
+    number = f"({DIGITS})"
     texts = spaced(shown).split("...")
     return re.compile(".*?".join(number.join(map(re.escape, NUMBER.split(text))) for text in texts))
 

@@ -38,7 +38,7 @@ def line_at(page, position):
     return page.count("\n", 0, position) + 1
 
 
-def blocks_of(page):
+def blocks_of_text(page):
     """Every fenced block of the page's text in order; raises BadPage for a mark that is none, and for unfenced commands."""
     blocks = []
     for found in FENCED.finditer(page):

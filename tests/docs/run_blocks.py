@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Runs what a page of the documentation shows: commands, cases, programs.
 
-    run_blocks.py PAGE --build BUILD [--compile COMMAND]    run the page's blocks, in a copy of the examples
-    run_blocks.py --not-run PAGE ...                        list the blocks that no test runs; fails where they are many
+    run_blocks.py PAGE --build BUILD [--python FOLDER] [--compile COMMAND]    run the page's blocks, in a copy of the examples
+    run_blocks.py --not-run PAGE ...                                          list the blocks that no test runs; fails where they are many
 
 Shell blocks and Python blocks run as they stand, cases pass `kalfem check`, C++ blocks compile as one program. page_blocks.py lists the marks
-by which a page says more. Measured data are in $KALFEM_DATA, by default in ../shared/data; with CI=true they must be there.
+by which a page says more. Measured data are in $KALFEM_DATA, by default in ../shared/data. A page of Python is skipped (exit code 77) where the package
+is not built. With CI=true all must be there.
 """
 
 import argparse
@@ -14,19 +15,28 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 
 import case_blocks
 from outputs import first_difference
-from page_blocks import BadPage, blocks_of
+from page_blocks import BadPage, blocks_of_text
 
 PROJECT = Path(__file__).resolve().parents[2]
 MOST_NOT_RUN = 16
+SKIPPED = 77
 NEXT_BLOCK = "-- the next block prints:"
 
 
 class Different(Exception):
     """A block that does not do what the page says."""
+
+
+def blocks_of(page):
+    try:
+        return blocks_of_text(page.read_text())
+    except BadPage as problem:
+        sys.exit(f"{page}: {problem}")
 
 
 def data_folder():
@@ -36,17 +46,19 @@ def data_folder():
 class PageRun:
     """The blocks of one page, run one after the other in a folder of their own."""
 
-    def __init__(self, blocks, build, folder, compiler):
-        self.blocks, self.build, self.folder, self.compiler = blocks, Path(build).resolve(), folder, compiler
+    def __init__(self, blocks, folder, tools):
+        self.blocks, self.folder, self.tools = blocks, folder, tools
         self.printed = {}  # number of a block -> its output
         self.environment = {
             **os.environ,
-            "PATH": os.pathsep.join([str(self.build / "bin"), os.environ["PATH"]]),
-            "PYTHONPATH": str(self.build.parent / "python"),
+            "PATH": os.pathsep.join([str(tools.build.resolve() / "bin"), os.environ["PATH"]]),
+            "PYTHONPATH": str(tools.python.resolve() if tools.python else ""),
             "KALFEM_DATA": str(data_folder()),
             "MPLBACKEND": "Agg",
         }
         shutil.copytree(PROJECT / "examples", folder / "examples")
+        (folder / "build").mkdir()
+        (folder / "build/release").symlink_to(tools.build.resolve())
 
     def run(self, *command, code=0):
         done = subprocess.run(command, cwd=self.folder, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
@@ -90,13 +102,11 @@ class PageRun:
 
     def cpp(self):
         """The page's blocks of C++ are one program, which is compiled against the public headers."""
-        if not self.compiler:
-            raise Different("C++ needs --compile")
         lines = "".join(self.blocks[n].marks.get("before", "") + "\n" + self.blocks[n].text for n in self.numbers_of("cpp")).splitlines()
         first = [line for line in lines if line.startswith(("#include", "using namespace"))]
         body = [line for line in lines if line not in first]
         (self.folder / "page.cpp").write_text("\n".join([*first, "int main() {", *body, "}", ""]))
-        self.run(*self.compiler.split(), "page.cpp")
+        self.run(*self.tools.compile.split(), "page.cpp")
 
     def numbers_of(self, language):
         return [n for n, block in enumerate(self.blocks) if block.language == language and self.runs(block)]
@@ -126,12 +136,21 @@ class PageRun:
             (self.folder / block.marks["file"]).write_text(block.text)
 
 
-def run_page(page, build, compiler=""):
+@dataclass
+class Tools:
+    """What the blocks are run with."""
+
+    build: Path  # has bin/kalfem
+    python: Path | None = None  # the folder of the Python package
+    compile: str = ""
+
+
+def run_page(page, tools):
     """What is wrong with each block, and how many ran."""
-    blocks = blocks_of(page.read_text())
+    blocks = blocks_of(page)
     problems, ran = [], 0
     with tempfile.TemporaryDirectory(prefix="kalfem-docs-") as scratch:
-        run = PageRun(blocks, build, Path(scratch), compiler)
+        run = PageRun(blocks, Path(scratch), tools)
         for number, block in enumerate(blocks):
             if not run.runs(block):
                 if "data" in block.marks and os.environ.get("CI") == "true":
@@ -146,7 +165,7 @@ def run_page(page, build, compiler=""):
 
 
 def list_not_run(pages):
-    lines = [f"{page}:{block.line}: {block.marks['not run']}" for page in pages for block in blocks_of(page.read_text()) if "not run" in block.marks]
+    lines = [f"{page}:{block.line}: {block.marks['not run']}" for page in pages for block in blocks_of(page) if "not run" in block.marks]
     print("\n".join([f"{len(lines)} blocks are not run:", *lines]))
     if len(lines) > MOST_NOT_RUN:
         sys.exit(f"more than {MOST_NOT_RUN}: make them run, or leave them out")
@@ -155,20 +174,22 @@ def list_not_run(pages):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("pages", nargs="+", type=Path)
-    parser.add_argument("--build", help="the folder of bin/kalfem")
+    parser.add_argument("--build", type=Path, default=PROJECT / "build/release", help="the folder of bin/kalfem")
+    parser.add_argument("--python", type=Path, help="the folder of the Python package")
     parser.add_argument("--compile", default="", help="compiler with flags, to which the C++ program is given")
     parser.add_argument("--not-run", action="store_true")
     arguments = parser.parse_args()
-    try:
-        if arguments.not_run:
-            return list_not_run(arguments.pages)
-        for page in arguments.pages:
-            problems, ran = run_page(page, arguments.build, arguments.compile)
-            print(f"{page}: {ran} blocks ran")
-            if problems:
-                sys.exit("\n".join(problems))
-    except BadPage as problem:
-        sys.exit(f"{problem}")
+    if arguments.not_run:
+        return list_not_run(arguments.pages)
+    tools = Tools(arguments.build, arguments.python, arguments.compile)
+    for page in arguments.pages:
+        if not tools.python and "```python" in page.read_text() and os.environ.get("CI") != "true":
+            print(f"{page}: the Python package is not built; scripts/python builds it")
+            sys.exit(SKIPPED)
+        problems, ran = run_page(page, tools)
+        print(f"{page}: {ran} blocks ran")
+        if problems:
+            sys.exit("\n".join(problems))
 
 
 if __name__ == "__main__":
