@@ -25,7 +25,7 @@ def cell(text):
 
 
 def row(line):
-    """A line of `kalfem schema`, such as "    mass: number [kg] > 0 (required)   meaning", as a row: key, what it takes, meaning."""
+    """A line of `kalfem schema`, "  mass: number [kg] > 0 (required)   meaning", as a row: key, what it takes, meaning."""
     indent = "&emsp;" * ((len(line) - len(line.lstrip())) // 2)
     left, _, meaning = re.sub(r" {2,}", "\n", line.strip(), count=1).partition("\n")
     if alternative := re.match(r"(or) (.*)", left):
@@ -40,7 +40,7 @@ def case_page(printed):
     parts = [
         "# The case file\n",
         "Every key of a case, as `kalfem schema` prints them; `kalfem schema estimate` prints one section. "
-        "Your editor completes and checks the keys by `kalfem.schema.json`, which `kalfem new` writes beside its case.\n",
+        "Your editor completes and checks them by `kalfem.schema.json`, which `kalfem new` writes beside its case.\n",
     ]
     for section in sections:
         rows = [row(line) for line in printed("schema", section).splitlines() if line.strip()]

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Builds the site and looks at its pages: links that lead nowhere, formulas that KaTeX cannot set, and whatever a browser would fetch from the
-network.
+"""Builds the site and looks at its pages: links that lead nowhere, formulas that KaTeX cannot set, and whatever a
+browser would fetch from the network.
 
     check_site.py --out FOLDER      exit code 77 where mkdocs is absent, except with CI=true
 """
@@ -60,7 +60,9 @@ def is_remote(address):
 
 def bad_formulas(formulas):
     """What KaTeX says of those that it cannot set."""
-    done = subprocess.run(["node", "-e", SET_FORMULAS], input=json.dumps(formulas), capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        ["node", "-e", SET_FORMULAS], input=json.dumps(formulas), capture_output=True, text=True, check=True
+    )
     return done.stdout.splitlines()
 
 
@@ -75,7 +77,9 @@ def problems_of(site):
             target = (file.parent / path).resolve() if path else file
             if not target.exists() or (anchor and target in pages and anchor not in pages[target].anchors):
                 problems.append(f"{file}: links to {link}, which is not there")
-    problems += [f"{file}: fetches from the network" for file in site.rglob("*.css") if STYLE_URL.search(file.read_text())]
+    problems += [
+        f"{file}: fetches from the network" for file in site.rglob("*.css") if STYLE_URL.search(file.read_text())
+    ]
     return problems
 
 

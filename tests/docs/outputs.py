@@ -1,7 +1,8 @@
 """What a page shows of an output, against the output.
 
-The lines of the page are found in the output, in order. A line `...` stands for any lines, `...` within a line for any text. Numbers agree
-if they differ by no more than one in the last digit that the page shows. The lengths of spaces and rules do not count.
+The lines of the page are found in the output, in order. A line `...` stands for any lines, `...` within a line for any
+text. Numbers agree if they differ by no more than one in the last digit that the page shows. The lengths of spaces and
+rules do not count.
 """
 
 import re

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Runs what a page of the documentation shows: commands, cases, programs.
 
-    run_blocks.py PAGE --build BUILD [--python FOLDER] [--compile COMMAND]    run the page's blocks, in a copy of the examples
-    run_blocks.py --not-run PAGE ...                                          list the blocks that no test runs; fails where they are many
+    run_blocks.py PAGE --build BUILD [--python FOLDER] [--compile COMMAND]    run the page's blocks
+    run_blocks.py --not-run PAGE ...                                          list the blocks that no test runs
 
-Shell blocks and Python blocks run as they stand, cases pass `kalfem check`, C++ blocks compile as one program. page_blocks.py lists the marks
-by which a page says more. Measured data are in $KALFEM_DATA, by default in ../shared/data. A page of Python is skipped (exit code 77) where the package
-is not built. With CI=true all must be there.
+A page runs in a copy of the examples. Shell blocks and Python blocks run as they stand, cases pass `kalfem check`, C++
+blocks compile as one program; page_blocks.py lists the marks by which a page says more. Measured data are in
+$KALFEM_DATA, by default in ../shared/data. A page with Python is skipped (exit code 77) where the package is not built.
+With CI=true all must be there.
 """
 
 import argparse
@@ -61,7 +62,9 @@ class PageRun:
         (folder / "build/release").symlink_to(tools.build.resolve())
 
     def run(self, *command, code=0):
-        done = subprocess.run(command, cwd=self.folder, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        done = subprocess.run(
+            command, cwd=self.folder, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        )
         if done.returncode != code:
             raise Different(f"exit code {done.returncode}, not {code}\n{done.stdout}")
         return done.stdout
@@ -89,20 +92,25 @@ class PageRun:
         printed = self.run("kalfem", "check", str(file), code=2)
         absent = [name.strip() for name in block.marks["absent"].split(",")]
         complaints = [line for line in printed.splitlines() if line.startswith(str(file))]
-        if other := [line for line in complaints if not any(name in line for name in absent)]:
-            raise Different("\n".join(other))
+        other = [line for line in complaints if not any(name in line for name in absent)]
+        if other or not complaints:
+            raise Different("\n".join(other) or printed)
 
     def python(self):
         """The page's blocks of Python are one program."""
         numbers = self.numbers_of("python")
-        text = "".join(f"print({NEXT_BLOCK!r})\n{self.blocks[n].marks.get('before', '')}\n{self.blocks[n].text}\n" for n in numbers)
+        text = "".join(
+            f"print({NEXT_BLOCK!r})\n{self.blocks[n].marks.get('before', '')}\n{self.blocks[n].text}\n" for n in numbers
+        )
         (self.folder / "page.py").write_text(text)
         parts = self.run("/usr/bin/python3", "page.py").split(NEXT_BLOCK + "\n")[1:]
         self.printed |= dict(zip(numbers, parts))
 
     def cpp(self):
         """The page's blocks of C++ are one program, which is compiled against the public headers."""
-        lines = "".join(self.blocks[n].marks.get("before", "") + "\n" + self.blocks[n].text for n in self.numbers_of("cpp")).splitlines()
+        lines = "".join(
+            self.blocks[n].marks.get("before", "") + "\n" + self.blocks[n].text for n in self.numbers_of("cpp")
+        ).splitlines()
         first = [line for line in lines if line.startswith(("#include", "using namespace"))]
         body = [line for line in lines if line not in first]
         (self.folder / "page.cpp").write_text("\n".join([*first, "int main() {", *body, "}", ""]))
@@ -112,10 +120,16 @@ class PageRun:
         return [n for n, block in enumerate(self.blocks) if block.language == language and self.runs(block)]
 
     def runs(self, block):
-        return "not run" not in block.marks and ("data" not in block.marks or (data_folder() / block.marks["data"]).is_dir())
+        return "not run" not in block.marks and (
+            "data" not in block.marks or (data_folder() / block.marks["data"]).is_dir()
+        )
 
     def compare(self, number):
         shown = self.blocks[number].text
+        if number not in self.numbers_of("text") or self.blocks[number - 1].language not in ("sh", "python"):
+            raise Different("an output is text below a block that prints it")
+        if number - 1 not in self.printed:  # not run, or it failed
+            return
         if (line := first_difference(shown, self.printed[number - 1])) is not None:
             raise Different(f"the output has no such line, or not here:\n  {line}\nIt is\n{self.printed[number - 1]}")
 
@@ -123,8 +137,7 @@ class PageRun:
         """One block; the first of Python or C++ does all of its language."""
         block = self.blocks[number]
         if "output" in block.marks:
-            if number - 1 in self.printed:
-                self.compare(number)
+            self.compare(number)
         elif block.language == "sh":
             self.shell(number)
         elif block.language == "yaml":
@@ -165,7 +178,12 @@ def run_page(page, tools):
 
 
 def list_not_run(pages):
-    lines = [f"{page}:{block.line}: {block.marks['not run']}" for page in pages for block in blocks_of(page) if "not run" in block.marks]
+    lines = [
+        f"{page}:{block.line}: {block.marks['not run']}"
+        for page in pages
+        for block in blocks_of(page)
+        if "not run" in block.marks
+    ]
     print("\n".join([f"{len(lines)} blocks are not run:", *lines]))
     if len(lines) > MOST_NOT_RUN:
         sys.exit(f"more than {MOST_NOT_RUN}: make them run, or leave them out")

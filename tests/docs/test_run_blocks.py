@@ -50,7 +50,16 @@ class Outputs(unittest.TestCase):
 class Pages(unittest.TestCase):
     def test_a_right_page(self):
         shown = block("text", "2.50 m", "<!-- output -->")
-        self.assertEqual(problems_of(block("sh", "echo 2.5 m"), shown, block("python", "x = 1"), block("python", "print(x + 1)"), block("text", "2", "<!-- output -->")), [])
+        self.assertEqual(
+            problems_of(
+                block("sh", "echo 2.5 m"),
+                shown,
+                block("python", "x = 1"),
+                block("python", "print(x + 1)"),
+                block("text", "2", "<!-- output -->"),
+            ),
+            [],
+        )
 
     def test_commands_that_fail(self):
         self.assertIn("exit code 4, not 0", problems_of(block("sh", "exit 4"))[0])
@@ -58,6 +67,9 @@ class Pages(unittest.TestCase):
 
     def test_outputs_that_differ(self):
         self.assertIn("no such line", problems_of(block("sh", "echo 2.5"), block("text", "2.7", "<!-- output -->"))[0])
+
+    def test_outputs_of_nothing(self):
+        self.assertIn("below a block that prints", problems_of(block("text", "2.5", "<!-- output -->"))[0])
 
     def test_programs_that_fail(self):
         self.assertIn("NameError", problems_of(block("python", "unknown"))[0])
