@@ -91,7 +91,7 @@ class PageRun:
             return
         printed = self.run("kalfem", "check", str(file), code=2)
         absent = [name.strip() for name in block.marks["absent"].split(",")]
-        complaints = [line for line in printed.splitlines() if line.startswith(str(file))]
+        complaints = [line for line in printed.splitlines() if line.startswith(str(self.folder))]
         other = [line for line in complaints if not any(name in line for name in absent)]
         if other or not complaints:
             raise Different("\n".join(other) or printed)
