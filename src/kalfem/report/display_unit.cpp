@@ -7,6 +7,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "kalfem/base/units.hpp"
 #include "kalfem/report/tables.hpp"
 
 namespace kalfem {
@@ -41,7 +42,13 @@ std::string rounded_at(int place, double value) {
   return fmt::format("{:.{}f}", place > 0 ? step * std::round(value / step) : value, std::max(0, -place));
 }
 
-DisplayUnit::DisplayUnit(const std::string& unit, const std::vector<double>& values) : unit_(unit) {
+DisplayUnit::DisplayUnit(const std::string& unit, const std::vector<double>& values, const std::string& own)
+    : unit_(unit) {
+  if (!own.empty()) {
+    unit_ = own;
+    factor_ = 1.0 / parse_unit_as(own, unit).factor;
+    return;
+  }
   const auto decides = std::ranges::find_if(values, [](double v) { return std::isfinite(v) && v != 0.0; });
   if (decides == values.end()) return;
   const int power = thousands(first_symbol(unit), *decides);

@@ -37,6 +37,12 @@ constexpr std::array<Colour, 10> palette = {{{0x6f, 0x9b, 0xc8},
                                              {0x8f, 0xa0, 0xad},
                                              {0xd0, 0x87, 0x6a}}};
 
+/// "#rrggbb".
+Colour parsed(const std::string& text) {
+  const auto channel = [&](std::size_t from) { return static_cast<double>(std::stoi(text.substr(from, 2), nullptr, 16)); };
+  return {channel(1), channel(3), channel(5)};
+}
+
 /// Darker below 1, lighter above.
 std::string shaded(const Colour& colour, double factor) {
   const auto channel = [&](double value) {
@@ -197,6 +203,7 @@ private:
   }
 
   [[nodiscard]] Colour colour_of(int region) const {
+    if (!options_.region_colours.empty()) return parsed(options_.region_colours[static_cast<std::size_t>(region)]);
     return options_.plain ? pale : palette[static_cast<std::size_t>(region) % palette.size()];
   }
 
@@ -454,14 +461,21 @@ std::vector<std::string> drawable_regions(const Mesh& mesh) {
 
 }  // namespace
 
+std::string region_colour(std::size_t region) { return shaded(palette[region % palette.size()], 1.0); }
+
+std::vector<std::string> drawn_regions(const FiniteElementModel& model) {
+  std::vector<std::string> names;
+  for (const auto& [region, property] : model.properties)
+    if (model.mesh.regions.contains(region)) names.push_back(region);
+  return names;
+}
+
 std::string mesh_picture_svg(const Mesh& mesh, const MeshPictureOptions& options) {
   return Painter(mesh, options, options.regions.empty() ? drawable_regions(mesh) : options.regions).run();
 }
 
 std::string mesh_picture_svg(const FiniteElementModel& model, MeshPictureOptions options) {
-  if (options.regions.empty())
-    for (const auto& [region, property] : model.properties)
-      if (model.mesh.regions.contains(region)) options.regions.push_back(region);
+  if (options.regions.empty()) options.regions = drawn_regions(model);
   std::vector<PictureMark> marks;
   for (const auto& support : model.fixed)
     for (const auto node : support.nodes) marks.push_back({MarkKind::support, node});

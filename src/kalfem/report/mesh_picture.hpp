@@ -1,41 +1,14 @@
 #pragma once
 
 #include <Eigen/Dense>
-#include <array>
 #include <string>
 #include <vector>
 
 #include "kalfem/model/finite_element_model.hpp"
 #include "kalfem/model/mesh/mesh.hpp"
+#include "kalfem/report/drawn_surface.hpp"
 
 namespace kalfem {
-
-/// A flat piece that can be drawn: a surface, an outer face of a solid, or a line.
-struct DrawnFace {
-  std::array<Eigen::Index, 4> nodes = {};  ///< corners, by index
-  int count = 0;                           ///< 2: a line
-  int region = 0;                          ///< place in the list of regions
-};
-
-/// Surfaces, lines and those faces of solids that only one solid of the regions has. Cells that name a corner twice
-/// lose it; faces with fewer than three corners are dropped. A cell of several regions is drawn as of the first.
-std::vector<DrawnFace> outer_faces(const Mesh& mesh, const std::vector<std::string>& regions);
-
-/// Faces and the places of their corners.
-struct DrawnSurface {
-  Eigen::Matrix3Xd places;
-  std::vector<DrawnFace> faces;  ///< their nodes are columns of `places`
-  bool coarsened = false;
-};
-
-/// How much each node tells of the shape: 1 amid a flat part of one region, hundreds to thousands at the edges of faces
-/// and where regions meet, more at corners.
-Eigen::VectorXd shape_weights(const Eigen::Matrix3Xd& places, const std::vector<DrawnFace>& faces);
-
-/// The same surface in at most about `most` faces: nodes in one box of a grid become one node at their weighted mean,
-/// in ever larger boxes, and faces that this flattens or doubles are dropped [RB93].
-DrawnSurface coarsened(const Eigen::Matrix3Xd& places, std::vector<DrawnFace> faces, const Eigen::VectorXd& weights,
-                       std::size_t most);
 
 /// A polygon on the screen: x and y [pixel] and the depth of its corners, larger farther away.
 struct ScreenPolygon {
@@ -57,6 +30,12 @@ ScreenDepth screen_depth(const std::vector<ScreenPolygon>& polygons, int width, 
 /// they are sorted by depth, and of each two that follow one another the farther is painted first. Where polygons cover
 /// one another in a ring the farthest goes first.
 std::vector<std::size_t> painters_order(const std::vector<ScreenPolygon>& polygons, const ScreenDepth& depth);
+
+/// "#rrggbb" of a region by its place in the list of regions.
+std::string region_colour(std::size_t region);
+
+/// Regions of a model that have a property: those that pictures show.
+std::vector<std::string> drawn_regions(const FiniteElementModel& model);
 
 /// What a symbol at a node stands for.
 enum class MarkKind {
@@ -83,6 +62,7 @@ struct MeshPictureOptions {
   double elevation = 26.0;                ///< of the eye above the x-y plane [deg]
   std::vector<std::string> regions = {};  ///< to draw, in the order of their colours; empty: all with lines, surfaces
                                           ///< or solids
+  std::vector<std::string> region_colours = {};  ///< of these regions, "#rrggbb"; empty: colours of the picture's own
   std::vector<PictureMark> marks = {};    ///< faint behind the surface; thinned out where many of a kind stand together
   std::vector<std::pair<Eigen::Index, Eigen::Index>> links = {};  ///< dashed lines between nodes
   bool plain = false;  ///< the mesh in one pale colour and without a legend of regions, so that marks stand out

@@ -182,16 +182,19 @@ std::string safe_inside_html(const std::string& json) {
   return safe;
 }
 
+/// The items of one kind in the order of the page.
+template <typename Item>
+std::string items_as_json(const Page& page) {
+  Json list = Json::array();
+  for (const auto& section : page.sections)
+    for (const auto& item : section.items)
+      if (const auto* wanted = std::get_if<Item>(&item)) list.push_back(as_json(*wanted));
+  return safe_inside_html(list.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
 }  // namespace
 
-std::string charts_as_json(const Page& page) {
-  Json charts = Json::array();
-  for (const auto& section : page.sections) {
-    for (const auto& item : section.items) {
-      if (const auto* chart = std::get_if<Chart>(&item)) charts.push_back(as_json(*chart));
-    }
-  }
-  return safe_inside_html(charts.dump(-1, ' ', false, Json::error_handler_t::replace));
-}
+std::string charts_as_json(const Page& page) { return items_as_json<Chart>(page); }
+std::string scenes_as_json(const Page& page) { return items_as_json<Scene>(page); }
 
 }  // namespace kalfem

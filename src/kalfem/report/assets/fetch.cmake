@@ -1,7 +1,7 @@
 # cmake -DFOLDER=<where to> -DSOURCE=<folder of package.json> -P fetch.cmake
 #
-# Fetches the report's web parts from npm, in the versions that package-lock.json pins. npm is looked for here, when the
-# report is built: configuring the project and building the other folders need none.
+# Fetches packages from npm, in the versions that package-lock.json pins. npm is looked for here, when they are needed:
+# configuring the project and building the other folders need none.
 find_program(NPM npm)
 if(NOT NPM)
   message(FATAL_ERROR "The report's web parts come from npm, which is not installed. Install it (Debian: apt-get install npm), "
@@ -11,4 +11,4 @@ file(MAKE_DIRECTORY ${FOLDER})
 file(COPY ${SOURCE}/package.json ${SOURCE}/package-lock.json ${SOURCE}/.npmrc DESTINATION ${FOLDER})
 execute_process(COMMAND ${NPM} ci --ignore-scripts --no-audit --no-fund --prefer-offline --loglevel=error
                 WORKING_DIRECTORY ${FOLDER} COMMAND_ERROR_IS_FATAL ANY)
-file(TOUCH ${FOLDER}/node_modules/uplot/dist/uPlot.iife.min.js ${FOLDER}/node_modules/uplot/dist/uPlot.min.css)
+file(TOUCH ${FOLDER}/fetched)

@@ -1,0 +1,64 @@
+// write_pages FOLDER: the pages that the browser's tests open.
+
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+
+#include "kalfem/report/page.hpp"
+#include "report/sample_page.hpp"
+#include "report/sample_scene.hpp"
+
+namespace kalfem {
+namespace {
+
+Page structure_page() {
+  Page page = sample_page();
+  page.sections.insert(page.sections.begin(), {"Structure", "Its modes and its motion.", {sample_scene()}});
+  page.sections.push_back({"Again", "", {sample_scene()}});
+  return page;
+}
+
+/// One chart in sight, the same twice folded away.
+Page folded_page() {
+  Chart chart{.id = "open",
+              .title = "open",
+              .x_label = "time [s]",
+              .y_label = "y",
+              .x = {0, 10, 20},
+              .series = {{.label = "a", .y = {1, 3, 2}}}};
+  Page page{.title = "Folded", .sections = {{"Charts", "", {chart}}}};
+  chart.fold = "more";
+  for (const char* name : {"first", "second"}) {
+    chart.id = chart.title = name;
+    page.sections[0].items.emplace_back(chart);
+  }
+  return page;
+}
+
+/// Charts of one value, of none, and of a gap alone.
+Page meagre_page() {
+  const Series gap{.label = "gap", .y = {std::nan("")}}, none{.label = "none"},
+      point{.label = "point", .y = {0}, .x = {0}};
+  return {
+      .title = "Meagre",
+      .sections = {{"Charts",
+                    "",
+                    {Chart{.title = "one", .x_label = "x", .y_label = "y", .x = {1.0}, .series = {gap}},
+                     Chart{.title = "none", .x_label = "x", .y_label = "y", .series = {none}},
+                     Chart{.title = "loop", .x_label = "x", .y_label = "y", .series = {point}, .scatter = true},
+                     Chart{.title = "no loop", .x_label = "x", .y_label = "y", .series = {none}, .scatter = true}}}}};
+}
+
+}  // namespace
+}  // namespace kalfem
+
+int main(int count, char** arguments) {
+  if (count != 2) return std::cerr << "usage: write_pages FOLDER\n", 2;
+  const std::filesystem::path folder = arguments[1];
+  std::filesystem::create_directories(folder);
+  for (const auto& [name, page] : {std::pair{"charts.html", kalfem::sample_page()},
+                                   {"structure.html", kalfem::structure_page()},
+                                   {"folded.html", kalfem::folded_page()},
+                                   {"meagre.html", kalfem::meagre_page()}})
+    std::ofstream(folder / name) << kalfem::render_html(page);
+}
