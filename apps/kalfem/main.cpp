@@ -92,6 +92,8 @@ command::ExitCode execute(const CLI::App& app, Arguments& arguments) {
   if (arguments.json) arguments.run.told = command::Told::json;
   if (arguments.quiet) arguments.run.told = command::Told::verdict;
   if (!arguments.resumed.empty()) return command::resume(arguments.resumed, arguments.run);
+  if (arguments.run.case_file.empty())
+    throw InvalidInput("no case is given", "", "name a case file, or an interrupted run: kalfem run --resume DIR");
   for (const auto& [verb, step] : {std::pair{"modes", Step::modes},
                                    {"simulate", Step::simulate},
                                    {"estimate", Step::estimate},
@@ -152,7 +154,6 @@ void add_verbs(CLI::App& app, Arguments& arguments) {
   auto* resume = run->add_option("--resume", arguments.resumed,
                                  "go on with the interrupted run of this folder, in place of a case");
   for (const char* other : {"case", "--out", "--set"}) resume->excludes(run->get_option(other));
-  run->require_option(1, 0);
   auto* modes =
       add_run_verb(app, "modes", "compute the natural modes of every substructure, or of a deck alone", arguments);
   add_units(*modes, arguments);

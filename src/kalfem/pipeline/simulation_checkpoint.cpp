@@ -109,8 +109,10 @@ std::string simulated_fingerprint(const Study& study) {
   for (const auto* matrix : {&system.mass, &system.damping, &system.stiffness}) add(hash, *matrix);
   const SimulationPlan& plan = *study.simulation;
   const auto samples = static_cast<Index>(plan.duration * plan.sample_rate) + 1;
-  for (const auto& signal : study.structure->signals)
-    for (const double value : signal->sample(0.0, 1.0 / plan.sample_rate, samples).reshaped()) hash.add(value);
+  for (const auto& signal : study.structure->signals) {
+    const SignalSamples excitation = signal->sample(0.0, 1.0 / plan.sample_rate, samples);
+    for (const double value : excitation.reshaped()) hash.add(value);
+  }
   return std::to_string(hash.value());
 }
 
