@@ -6,6 +6,7 @@ rules do not count.
 """
 
 import re
+from difflib import SequenceMatcher
 
 DIGITS = r"[-+]?\d+(?:,\d{3})*(?:\.\d+)?(?:e[-+]?\d+)?"
 NUMBER = re.compile(r"(?<![\w.])" + DIGITS)
@@ -48,15 +49,39 @@ def matched(shown, printed):
     return next((i for i, pair in enumerate(pairs) if not same_line(*pair)), min(len(shown), len(printed)))
 
 
+def lines_of(text):
+    return [line for line in text.splitlines() if line.strip()]
+
+
+def parts_of(shown):
+    """The lines between the lines `...`."""
+    return [lines_of(part) for part in re.split(r"^\s*\.\.\.\s*$", shown, flags=re.MULTILINE)]
+
+
 def first_difference(shown, printed):
     """The first line of the page that the output does not have where it should, or None."""
-    lines = [line for line in printed.splitlines() if line.strip()]
-    place = 0
-    for part in re.split(r"^\s*\.\.\.\s*$", shown, flags=re.MULTILINE):
-        wanted = [line for line in part.splitlines() if line.strip()]
+    lines, place = lines_of(printed), 0
+    for wanted in parts_of(shown):
         best = max(range(place, len(lines) + 1), key=lambda i: matched(wanted, lines[i:]))
         found = matched(wanted, lines[best:])
         if found < len(wanted):
             return wanted[found]
         place = best + len(wanted)
     return None
+
+
+def likeness(wanted, lines):
+    return sum(SequenceMatcher(None, spaced(a), spaced(b)).ratio() for a, b in zip(wanted, lines))
+
+
+def refreshed(shown, printed):
+    """What the page shows with each line as it is printed now: the lines most like those shown, part by part."""
+    lines, place, new = lines_of(printed), 0, []
+    for wanted in parts_of(shown):
+        best = max(range(place, len(lines) + 1), key=lambda i: likeness(wanted, lines[i:]))
+        now = lines[best : best + len(wanted)]
+        new += [a if "..." in a or same_line(a, b) else b for a, b in zip(wanted, now)] + wanted[len(now) :]
+        place = best + len(now)
+    following = iter(new)
+    kept = [line if line.strip() in ("", "...") else next(following) for line in shown.splitlines()]
+    return "\n".join(kept) + "\n"

@@ -2,6 +2,7 @@
 """Runs what a page of the documentation shows: commands, cases, programs.
 
     run_blocks.py PAGE --build BUILD [--python FOLDER] [--compile COMMAND]    run the page's blocks
+    run_blocks.py --accept PAGE ... --build BUILD ...                         and writes what they print into the pages
     run_blocks.py --not-run PAGE ...                                          list the blocks that no test runs
 
 A page runs in a copy of the examples. Shell blocks and Python blocks run as they stand, cases pass `kalfem check`, C++
@@ -20,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import case_blocks
-from outputs import first_difference
+from outputs import first_difference, refreshed
 from page_blocks import BadPage, blocks_of_text
 
 PROJECT = Path(__file__).resolve().parents[2]
@@ -158,7 +159,16 @@ class Tools:
     compile: str = ""
 
 
-def run_page(page, tools):
+def accept(page, run):
+    """Writes what the blocks printed into the page, in the places of what it shows."""
+    text = page.read_text()
+    for number, block in enumerate(run.blocks):
+        if "output" in block.marks and number - 1 in run.printed:
+            text = text.replace(block.text, refreshed(block.text, run.printed[number - 1]))
+    page.write_text(text)
+
+
+def run_page(page, tools, accepts=False):
     """What is wrong with each block, and how many ran."""
     blocks = blocks_of(page)
     problems, ran = [], 0
@@ -176,6 +186,8 @@ def run_page(page, tools):
                 ran += 1
             except Different as problem:
                 problems.append(f"{page}:{block.line}: {problem}")
+        if accepts:
+            accept(page, run)
     return problems, ran
 
 
@@ -198,6 +210,7 @@ def main():
     parser.add_argument("--python", type=Path, help="the folder of the Python package")
     parser.add_argument("--compile", default="", help="compiler with flags, to which the C++ program is given")
     parser.add_argument("--not-run", action="store_true")
+    parser.add_argument("--accept", action="store_true")
     arguments = parser.parse_args()
     if arguments.not_run:
         return list_not_run(arguments.pages)

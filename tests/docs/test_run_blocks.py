@@ -10,7 +10,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
-from outputs import first_difference  # noqa: E402
+from outputs import first_difference, refreshed  # noqa: E402
 from page_blocks import BadPage, blocks_of_text  # noqa: E402
 from run_blocks import Tools, run_page  # noqa: E402
 
@@ -45,6 +45,16 @@ class Outputs(unittest.TestCase):
     def test_dots_within_a_line_are_any_text(self):
         self.assertIsNone(first_difference("run ... took 3 s", "run 00ab took 3 s"))
         self.assertIsNotNone(first_difference("run ... took 3 s", "run 00ab took 5 s"))
+
+
+class RefreshedOutputs(unittest.TestCase):
+    def test_lines_are_those_most_like_them(self):
+        shown = "k kN/m 17.9\n...\n\nVerdict: ...\nerror 0.3 mm"
+        printed = "title\nk N/m 17991\nc N s/m 3\nVerdict: consistent\nerror 0.31 m\n"
+        self.assertEqual(refreshed(shown, printed), "k N/m 17991\n...\n\nVerdict: ...\nerror 0.31 m\n")
+
+    def test_what_agrees_stays(self):
+        self.assertEqual(refreshed("k  17.9", "k 17.91"), "k  17.9\n")
 
 
 class Pages(unittest.TestCase):
