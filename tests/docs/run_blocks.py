@@ -219,7 +219,7 @@ def main():
         if not tools.python and "```python" in page.read_text() and os.environ.get("CI") != "true":
             print(f"{page}: the Python package is not built; scripts/python builds it")
             sys.exit(SKIPPED)
-        problems, ran = run_page(page, tools)
+        problems, ran = run_page(page, tools, arguments.accept)
         print(f"{page}: {ran} blocks ran")
         if problems:
             sys.exit("\n".join(problems))
