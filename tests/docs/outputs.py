@@ -75,12 +75,13 @@ def likeness(wanted, lines):
 
 
 def refreshed(shown, printed):
-    """What the page shows with each line as it is printed now: the lines most like those shown, part by part."""
+    """What the page shows as it is printed now, part by part: the lines most like it, where they do not agree."""
     lines, place, new = lines_of(printed), 0, []
     for wanted in parts_of(shown):
         best = max(range(place, len(lines) + 1), key=lambda i: likeness(wanted, lines[i:]))
         now = lines[best : best + len(wanted)]
-        new += [a if "..." in a or same_line(a, b) else b for a, b in zip(wanted, now)] + wanted[len(now) :]
+        agrees = all(map(same_line, wanted, now))
+        new += [a if agrees or "..." in a else b for a, b in zip(wanted, now)] + wanted[len(now) :]
         place = best + len(now)
     following = iter(new)
     kept = [line if line.strip() in ("", "...") else next(following) for line in shown.splitlines()]
