@@ -1,7 +1,9 @@
 """The pages of the reference. The command prints them; here they only get headings."""
 
+import html
 import json
 import re
+import textwrap
 
 
 def block(text):
@@ -18,16 +20,31 @@ def command_page(printed):
     return "\n".join(parts)
 
 
+def cell(text):
+    return html.escape(text, quote=False).replace("|", "&#124;")
+
+
+def row(line):
+    """A line of `kalfem schema`, "  mass: number [kg] > 0 (required)   meaning", as a row: key, what it takes, meaning."""
+    indent = "&emsp;" * ((len(line) - len(line.lstrip())) // 2)
+    left, _, meaning = re.sub(r" {2,}", "\n", line.strip(), count=1).partition("\n")
+    if alternative := re.match(r"(or) (.*)", left):
+        return f"| {indent}{alternative[1]} | {cell(alternative[2])} | {cell(meaning)} |"
+    key, _, takes = left.partition(": ")
+    return f"| {indent}<code>{cell(key.rstrip(':'))}</code> | {cell(takes)} | {cell(meaning)} |"
+
+
 def case_page(printed):
     """`kalfem schema SECTION` of every section."""
     sections = json.loads(printed("schema", "--json"))["properties"]
     parts = [
         "# The case file\n",
-        "Every key of a case, as `kalfem schema` prints them: what it takes, its default, its meaning. `kalfem schema estimate` prints one section. "
-        "Your editor completes and checks the keys by `kalfem.schema.json`, which `kalfem new` writes beside its case.\n",
+        "Every key of a case, as `kalfem schema` prints them; `kalfem schema estimate` prints one section. "
+        "Your editor completes and checks them by `kalfem.schema.json`, which `kalfem new` writes beside its case.\n",
     ]
     for section in sections:
-        parts += [f"## {section}\n", block(printed("schema", section))]
+        rows = [row(line) for line in printed("schema", section).splitlines() if line.strip()]
+        parts += [f"## {section}\n", "\n".join(["| key | takes | meaning |", "|---|---|---|", *rows, ""])]
     return "\n".join(parts)
 
 
@@ -39,6 +56,6 @@ def laws_page(printed):
         if law.strip():
             name, rest = law.split(": ", 1)
             meaning, _, body = rest.partition("\n")
-            parts += [f"## {name}\n", meaning[:1].upper() + meaning[1:] + ".\n", block(body)]
+            parts += [f"## {name}\n", meaning[:1].upper() + meaning[1:] + ".\n", block(textwrap.dedent(body))]
     parts += ["## Expressions\n", block("In expressions:" + functions)]
     return "\n".join(parts)

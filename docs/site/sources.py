@@ -6,14 +6,32 @@ from pathlib import Path
 BIBLIOGRAPHY = Path(__file__).resolve().parents[1] / "references.bib"
 ENTRY = re.compile(r"^@(\w+)\{(\w+),(.*?)(?=^@|\Z)", re.MULTILINE | re.DOTALL)
 FIELD = re.compile(r"(\w+) = \{((?:[^{}]|\{[^{}]*\})*)\}")
-ACCENTS = {'"': "\u0308", "'": "\u0301", "`": "\u0300", "^": "\u0302", "~": "\u0303", "v": "\u030c", "c": "\u0327", "=": "\u0304"}
+ACCENTS = {
+    '"': "\u0308",
+    "'": "\u0301",
+    "`": "\u0300",
+    "^": "\u0302",
+    "~": "\u0303",
+    "v": "\u030c",
+    "c": "\u0327",
+    "=": "\u0304",
+}
 ACCENT = re.compile(r"""\\(["'`^~=]|[vc](?=\{|\s))\s*\{?\\?([A-Za-z])\}?""")
 
 
 def plain(text):
     """BibTeX's text as Unicode: accents, dashes, no braces."""
     text = ACCENT.sub(lambda found: found[2] + ACCENTS[found[1]], " ".join(text.split()))
-    for written, meant in (("\\o", "ø"), ("\\l", "ł"), ("\\ss", "ß"), ("\\&", "&"), ("\\_", "_"), ("{", ""), ("}", ""), ("--", "–")):
+    for written, meant in (
+        ("\\o", "ø"),
+        ("\\l", "ł"),
+        ("\\ss", "ß"),
+        ("\\&", "&"),
+        ("\\_", "_"),
+        ("{", ""),
+        ("}", ""),
+        ("--", "–"),
+    ):
         text = text.replace(written, meant)
     return text
 
@@ -26,7 +44,14 @@ def entries():
 
 def citation(fields):
     """One source as a sentence: authors, title, where, volume, pages, year, doi."""
-    where = next((fields[key] for key in ("journal", "booktitle", "institution", "school", "publisher", "howpublished") if key in fields), None)
+    where = next(
+        (
+            fields[key]
+            for key in ("journal", "booktitle", "institution", "school", "publisher", "howpublished")
+            if key in fields
+        ),
+        None,
+    )
     parts = [fields.get("author"), f"*{fields['title']}*", where]
     parts += [fields.get("volume"), f"pp. {fields['pages']}" if "pages" in fields else None, fields.get("year")]
     parts += [f"doi {fields['doi']}" if "doi" in fields else None]

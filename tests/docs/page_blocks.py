@@ -17,7 +17,10 @@ import re
 from dataclasses import dataclass, field
 
 MARKS = {"output", "exits with", "in", "without", "absent", "file", "before", "data", "not run"}
-FENCED = re.compile(r"(?P<marks>(?:^<!--(?:(?!-->).)*-->\n+)*)^```(?P<language>[\w+]*)[^\n]*\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
+FENCED = re.compile(
+    r"(?P<marks>(?:^<!--(?:(?!-->).)*-->\n+)*)^```(?P<language>[\w+]*)[^\n]*\n(?P<text>.*?)^```$",
+    re.MULTILINE | re.DOTALL,
+)
 COMMENT = re.compile(r"<!--\s*(?P<name>[a-z ]+?)\s*(?::\s*(?P<value>.*?))?\s*-->", re.DOTALL)
 COMMAND = re.compile(r"^ {4,}(kalfem|scripts/|build/|ctest|cmake|python3|apt|nice|import |#include)\b", re.MULTILINE)
 
@@ -38,16 +41,20 @@ def line_at(page, position):
     return page.count("\n", 0, position) + 1
 
 
-def blocks_of(page):
-    """Every fenced block of the page's text in order; raises BadPage for a mark that is none, and for unfenced commands."""
+def blocks_of_text(page):
+    """Every fenced block of a page in order; raises BadPage for a mark that is none, and for commands without a fence."""
     blocks = []
     for found in FENCED.finditer(page):
         line = line_at(page, found.start("language"))
         marks = {mark["name"]: mark["value"] or "" for mark in COMMENT.finditer(found["marks"])}
         if unknown := set(marks) - MARKS:
-            raise BadPage(f"line {line}: '{unknown.pop()}' is no mark of a block; the marks are {', '.join(sorted(MARKS))}")
+            raise BadPage(
+                f"line {line}: '{unknown.pop()}' is no mark of a block; the marks are {', '.join(sorted(MARKS))}"
+            )
         blocks.append(Block(found["language"], found["text"], line, marks))
     outside = FENCED.sub(lambda fence: "\n" * fence[0].count("\n"), page)
     if command := COMMAND.search(outside):
-        raise BadPage(f"line {line_at(outside, command.start())}: commands and programs stand in fenced blocks, which a test runs")
+        raise BadPage(
+            f"line {line_at(outside, command.start())}: commands and programs stand in fenced blocks, which a test runs"
+        )
     return blocks

@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
 """Runs what a page of the documentation shows: commands, cases, programs.
 
-    run_blocks.py PAGE --build BUILD [--compile COMMAND]    run the page's blocks, in a copy of the examples
-    run_blocks.py --not-run PAGE ...                        list the blocks that no test runs; fails where they are many
+    run_blocks.py PAGE --build BUILD [--python FOLDER] [--compile COMMAND]    run the page's blocks
+    run_blocks.py --accept PAGE ... --build BUILD ...                         and writes what they print into the pages
+    run_blocks.py --not-run PAGE ...                                          list the blocks that no test runs
 
-Shell blocks and Python blocks run as they stand, cases pass `kalfem check`, C++ blocks compile as one program. page_blocks.py lists the marks
-by which a page says more. Measured data are in $KALFEM_DATA, by default in ../shared/data; with CI=true they must be there.
+A page runs in a copy of the examples. Shell blocks and Python blocks run as they stand, cases pass `kalfem check`, C++
+blocks compile as one program; page_blocks.py lists the marks by which a page says more. Measured data are in
+$KALFEM_DATA, by default in ../shared/data. A page with Python is skipped (exit code 77) where the package is not built.
+With CI=true all must be there.
 """
 
 import argparse
@@ -14,19 +17,28 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 
 import case_blocks
-from outputs import first_difference
-from page_blocks import BadPage, blocks_of
+from outputs import first_difference, refreshed
+from page_blocks import BadPage, blocks_of_text
 
 PROJECT = Path(__file__).resolve().parents[2]
-MOST_NOT_RUN = 16
+MOST_NOT_RUN = 10
+SKIPPED = 77
 NEXT_BLOCK = "-- the next block prints:"
 
 
 class Different(Exception):
     """A block that does not do what the page says."""
+
+
+def blocks_of(page):
+    try:
+        return blocks_of_text(page.read_text())
+    except BadPage as problem:
+        sys.exit(f"{page}: {problem}")
 
 
 def data_folder():
@@ -36,20 +48,24 @@ def data_folder():
 class PageRun:
     """The blocks of one page, run one after the other in a folder of their own."""
 
-    def __init__(self, blocks, build, folder, compiler):
-        self.blocks, self.build, self.folder, self.compiler = blocks, Path(build).resolve(), folder, compiler
+    def __init__(self, blocks, folder, tools):
+        self.blocks, self.folder, self.tools = blocks, folder, tools
         self.printed = {}  # number of a block -> its output
         self.environment = {
             **os.environ,
-            "PATH": os.pathsep.join([str(self.build / "bin"), os.environ["PATH"]]),
-            "PYTHONPATH": str(self.build.parent / "python"),
+            "PATH": os.pathsep.join([str(tools.build.resolve() / "bin"), os.environ["PATH"]]),
+            "PYTHONPATH": str(tools.python.resolve() if tools.python else ""),
             "KALFEM_DATA": str(data_folder()),
             "MPLBACKEND": "Agg",
         }
         shutil.copytree(PROJECT / "examples", folder / "examples")
+        (folder / "build").mkdir()
+        (folder / "build/release").symlink_to(tools.build.resolve())
 
     def run(self, *command, code=0):
-        done = subprocess.run(command, cwd=self.folder, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        done = subprocess.run(
+            command, cwd=self.folder, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        )
         if done.returncode != code:
             raise Different(f"exit code {done.returncode}, not {code}\n{done.stdout}")
         return done.stdout
@@ -76,36 +92,45 @@ class PageRun:
             return
         printed = self.run("kalfem", "check", str(file), code=2)
         absent = [name.strip() for name in block.marks["absent"].split(",")]
-        complaints = [line for line in printed.splitlines() if line.startswith(str(file))]
-        if other := [line for line in complaints if not any(name in line for name in absent)]:
-            raise Different("\n".join(other))
+        complaints = [line for line in printed.splitlines() if line.startswith(str(self.folder))]
+        other = [line for line in complaints if not any(name in line for name in absent)]
+        if other or not complaints:
+            raise Different("\n".join(other) or printed)
 
     def python(self):
         """The page's blocks of Python are one program."""
         numbers = self.numbers_of("python")
-        text = "".join(f"print({NEXT_BLOCK!r})\n{self.blocks[n].marks.get('before', '')}\n{self.blocks[n].text}\n" for n in numbers)
+        text = "".join(
+            f"print({NEXT_BLOCK!r})\n{self.blocks[n].marks.get('before', '')}\n{self.blocks[n].text}\n" for n in numbers
+        )
         (self.folder / "page.py").write_text(text)
         parts = self.run("/usr/bin/python3", "page.py").split(NEXT_BLOCK + "\n")[1:]
         self.printed |= dict(zip(numbers, parts))
 
     def cpp(self):
         """The page's blocks of C++ are one program, which is compiled against the public headers."""
-        if not self.compiler:
-            raise Different("C++ needs --compile")
-        lines = "".join(self.blocks[n].marks.get("before", "") + "\n" + self.blocks[n].text for n in self.numbers_of("cpp")).splitlines()
+        lines = "".join(
+            self.blocks[n].marks.get("before", "") + "\n" + self.blocks[n].text for n in self.numbers_of("cpp")
+        ).splitlines()
         first = [line for line in lines if line.startswith(("#include", "using namespace"))]
         body = [line for line in lines if line not in first]
         (self.folder / "page.cpp").write_text("\n".join([*first, "int main() {", *body, "}", ""]))
-        self.run(*self.compiler.split(), "page.cpp")
+        self.run(*self.tools.compile.split(), "page.cpp")
 
     def numbers_of(self, language):
         return [n for n, block in enumerate(self.blocks) if block.language == language and self.runs(block)]
 
     def runs(self, block):
-        return "not run" not in block.marks and ("data" not in block.marks or (data_folder() / block.marks["data"]).is_dir())
+        return "not run" not in block.marks and (
+            "data" not in block.marks or (data_folder() / block.marks["data"]).is_dir()
+        )
 
     def compare(self, number):
         shown = self.blocks[number].text
+        if number not in self.numbers_of("text") or self.blocks[number - 1].language not in ("sh", "python"):
+            raise Different("an output is text below a block that prints it")
+        if number - 1 not in self.printed:  # not run, or it failed
+            return
         if (line := first_difference(shown, self.printed[number - 1])) is not None:
             raise Different(f"the output has no such line, or not here:\n  {line}\nIt is\n{self.printed[number - 1]}")
 
@@ -113,8 +138,7 @@ class PageRun:
         """One block; the first of Python or C++ does all of its language."""
         block = self.blocks[number]
         if "output" in block.marks:
-            if number - 1 in self.printed:
-                self.compare(number)
+            self.compare(number)
         elif block.language == "sh":
             self.shell(number)
         elif block.language == "yaml":
@@ -126,27 +150,54 @@ class PageRun:
             (self.folder / block.marks["file"]).write_text(block.text)
 
 
-def run_page(page, build, compiler=""):
+@dataclass
+class Tools:
+    """What the blocks are run with."""
+
+    build: Path  # has bin/kalfem
+    python: Path | None = None  # the folder of the Python package
+    compile: str = ""
+
+
+def accept(page, run):
+    """Writes what the blocks printed into the page, in the places of what it shows."""
+    text = page.read_text()
+    for number, block in enumerate(run.blocks):
+        if "output" in block.marks and number - 1 in run.printed:
+            text = text.replace(block.text, refreshed(block.text, run.printed[number - 1]))
+    page.write_text(text)
+
+
+def run_page(page, tools, accepts=False):
     """What is wrong with each block, and how many ran."""
-    blocks = blocks_of(page.read_text())
+    blocks = blocks_of(page)
     problems, ran = [], 0
     with tempfile.TemporaryDirectory(prefix="kalfem-docs-") as scratch:
-        run = PageRun(blocks, build, Path(scratch), compiler)
+        run = PageRun(blocks, Path(scratch), tools)
         for number, block in enumerate(blocks):
             if not run.runs(block):
-                if "data" in block.marks and os.environ.get("CI") == "true":
-                    problems.append(f"{page}:{block.line}: {data_folder() / block.marks['data']} is absent")
+                if "data" in block.marks:
+                    absent = f"{page}:{block.line}: {data_folder() / block.marks['data']} is absent"
+                    print(absent)
+                    problems += [absent] if os.environ.get("CI") == "true" else []
                 continue
             try:
                 run.do(number)
                 ran += 1
             except Different as problem:
                 problems.append(f"{page}:{block.line}: {problem}")
+        if accepts:
+            accept(page, run)
     return problems, ran
 
 
 def list_not_run(pages):
-    lines = [f"{page}:{block.line}: {block.marks['not run']}" for page in pages for block in blocks_of(page.read_text()) if "not run" in block.marks]
+    lines = [
+        f"{page}:{block.line}: {block.marks['not run']}"
+        for page in pages
+        for block in blocks_of(page)
+        if "not run" in block.marks
+    ]
     print("\n".join([f"{len(lines)} blocks are not run:", *lines]))
     if len(lines) > MOST_NOT_RUN:
         sys.exit(f"more than {MOST_NOT_RUN}: make them run, or leave them out")
@@ -155,20 +206,23 @@ def list_not_run(pages):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("pages", nargs="+", type=Path)
-    parser.add_argument("--build", help="the folder of bin/kalfem")
+    parser.add_argument("--build", type=Path, default=PROJECT / "build/release", help="the folder of bin/kalfem")
+    parser.add_argument("--python", type=Path, help="the folder of the Python package")
     parser.add_argument("--compile", default="", help="compiler with flags, to which the C++ program is given")
     parser.add_argument("--not-run", action="store_true")
+    parser.add_argument("--accept", action="store_true")
     arguments = parser.parse_args()
-    try:
-        if arguments.not_run:
-            return list_not_run(arguments.pages)
-        for page in arguments.pages:
-            problems, ran = run_page(page, arguments.build, arguments.compile)
-            print(f"{page}: {ran} blocks ran")
-            if problems:
-                sys.exit("\n".join(problems))
-    except BadPage as problem:
-        sys.exit(f"{problem}")
+    if arguments.not_run:
+        return list_not_run(arguments.pages)
+    tools = Tools(arguments.build, arguments.python, arguments.compile)
+    for page in arguments.pages:
+        if not tools.python and "```python" in page.read_text() and os.environ.get("CI") != "true":
+            print(f"{page}: the Python package is not built; scripts/python builds it")
+            sys.exit(SKIPPED)
+        problems, ran = run_page(page, tools, arguments.accept)
+        print(f"{page}: {ran} blocks ran")
+        if problems:
+            sys.exit("\n".join(problems))
 
 
 if __name__ == "__main__":

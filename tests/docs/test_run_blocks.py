@@ -10,9 +10,9 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
-from outputs import first_difference  # noqa: E402
-from page_blocks import BadPage, blocks_of  # noqa: E402
-from run_blocks import run_page  # noqa: E402
+from outputs import first_difference, refreshed  # noqa: E402
+from page_blocks import BadPage, blocks_of_text  # noqa: E402
+from run_blocks import Tools, run_page  # noqa: E402
 
 
 def block(language, text, marks=""):
@@ -23,13 +23,15 @@ def problems_of(*blocks):
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder) / "page.md"
         page.write_text("Some words.\n\n" + "\n".join(blocks))
-        return run_page(page, os.environ["KALFEM_BUILD"])[0]
+        return run_page(page, Tools(Path(os.environ["KALFEM_BUILD"])))[0]
 
 
 class Outputs(unittest.TestCase):
     def test_numbers_agree_to_the_digits_shown(self):
         self.assertIsNone(first_difference("NIS 3.99 of 20,000", "a line\nNIS  3.9871 of 20,000\n"))
         self.assertEqual(first_difference("NIS 3.99", "NIS 3.97"), "NIS 3.99")
+        self.assertIsNone(first_difference("nodes 117, 96 in a3", "nodes 117, 96 in a3"))
+        self.assertEqual(first_difference("nodes 117, 96 in a3", "nodes 117, 98 in a3"), "nodes 117, 96 in a3")
         self.assertEqual(first_difference("f 1.2e-3 Hz", "f 1.4e-3 Hz"), "f 1.2e-3 Hz")
 
     def test_words_do_not_change(self):
@@ -45,17 +47,39 @@ class Outputs(unittest.TestCase):
         self.assertIsNotNone(first_difference("run ... took 3 s", "run 00ab took 5 s"))
 
 
+class RefreshedOutputs(unittest.TestCase):
+    def test_lines_are_those_most_like_them(self):
+        shown = "k kN/m 17.9\n...\n\nVerdict: ...\nerror 0.3 mm"
+        printed = "title\nk N/m 17991\nc N s/m 3\nVerdict: consistent\nerror 0.31 m\n"
+        self.assertEqual(refreshed(shown, printed), "k N/m 17991\n...\n\nVerdict: ...\nerror 0.31 m\n")
+
+    def test_what_agrees_stays(self):
+        self.assertEqual(refreshed("k  17.9", "k 17.91"), "k  17.9\n")
+
+
 class Pages(unittest.TestCase):
     def test_a_right_page(self):
         shown = block("text", "2.50 m", "<!-- output -->")
-        self.assertEqual(problems_of(block("sh", "echo 2.5 m"), shown, block("python", "x = 1"), block("python", "print(x + 1)"), block("text", "2", "<!-- output -->")), [])
+        self.assertEqual(
+            problems_of(
+                block("sh", "echo 2.5 m"),
+                shown,
+                block("python", "x = 1"),
+                block("python", "print(x + 1)"),
+                block("text", "2", "<!-- output -->"),
+            ),
+            [],
+        )
 
     def test_commands_that_fail(self):
         self.assertIn("exit code 4, not 0", problems_of(block("sh", "exit 4"))[0])
         self.assertEqual(problems_of(block("sh", "exit 4", "<!-- exits with: 4 -->")), [])
 
     def test_outputs_that_differ(self):
-        self.assertIn("no such line", problems_of(block("sh", "echo 2.5"), block("text", "2.6", "<!-- output -->"))[0])
+        self.assertIn("no such line", problems_of(block("sh", "echo 2.5"), block("text", "2.7", "<!-- output -->"))[0])
+
+    def test_outputs_of_nothing(self):
+        self.assertIn("below a block that prints", problems_of(block("text", "2.5", "<!-- output -->"))[0])
 
     def test_programs_that_fail(self):
         self.assertIn("NameError", problems_of(block("python", "unknown"))[0])
@@ -83,11 +107,11 @@ class Pages(unittest.TestCase):
 
     def test_marks_are_known(self):
         with self.assertRaisesRegex(BadPage, "line 2: 'outputs' is no mark"):
-            blocks_of(block("text", "1", "<!-- outputs -->"))
+            blocks_of_text(block("text", "1", "<!-- outputs -->"))
 
     def test_commands_are_fenced(self):
         with self.assertRaisesRegex(BadPage, "line 3"):
-            blocks_of("Try this:\n\n    kalfem run case.yaml\n")
+            blocks_of_text("Try this:\n\n    kalfem run case.yaml\n")
 
 
 if __name__ == "__main__":
