@@ -18,10 +18,6 @@ using Eigen::VectorXd;
 
 constexpr double visible_jitter = 0.01;  ///< of the interval
 
-std::string counted(Index count, const std::string& thing) {
-  return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
-}
-
 std::string stretches(Index count) { return fmt::format("{} stretch{}", count, count == 1 ? "" : "es"); }
 
 std::string with_unit(double value, const std::string& unit) {
