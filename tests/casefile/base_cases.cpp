@@ -402,6 +402,7 @@ substructures:
       nodes: {c: corner, f: far, m: [0.5, 0.4, 0]}
       links: {rigid: {master: f, nodes: m, directions: [x, y, z, rx, ry, rz]}}
       fixed: {clamp: {nodes: edge}}
+    preload: push
 static:
   substructure: plate
   cases:

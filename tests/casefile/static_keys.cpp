@@ -86,10 +86,34 @@ void reported_points() {
   near(points[0].displacement[2], 10.0 / (3.0 * 2.1e11 * inertia), 1e-3);  // and a little shear
 }
 
+/// f / f_0 = sqrt(1 + N / N_cr) of the cantilever in tension up to a little, its shape changes; N_cr = pi^2 E I / 4
+/// L^2.
+void preload() {
+  const double inertia = std::numbers::pi * std::pow(0.02, 4) / 64.0,
+               critical = std::pow(std::numbers::pi, 2) * 2.1e11 * inertia / 4.0;
+  const auto frequency = [&](double force, bool is_preloaded) {
+    const auto study = study_of(beam_case({{"substructures", "{b: {finite_elements: {" + beam_elements() + "}" +
+                                                                 (is_preloaded ? ", preload: pull" : "") + "}}"},
+                                           {"static", "{substructure: b, cases: {pull: {forces: [{at: tip, force: [" +
+                                                          std::to_string(force) + ", 0, 0]}]}}}"}}));
+    return run(study, Step::modes).modes.at(0).frequencies[0];
+  };
+  const double free = frequency(critical, false);
+  near(frequency(critical, true) / free, std::sqrt(2.0), 0.03);
+  near(frequency(-0.5 * critical, true) / free, std::sqrt(0.5), 0.03);
+  try {
+    frequency(-1.1 * critical, true);
+    ADD_FAILURE() << "a preload beyond buckling is accepted";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("beyond its buckling load"), std::string::npos) << error.what();
+  }
+}
+
 }  // namespace
 
 KeyChecks static_keys() {
-  return {{"static.substructure", substructure_and_cases},
+  return {{"substructures.*.preload", preload},
+          {"static.substructure", substructure_and_cases},
           {"static.cases.*.forces[].at", forces_and_moments},
           {"static.cases.*.forces[].force", forces_and_moments},
           {"static.cases.*.forces[].moment", forces_and_moments},

@@ -11,7 +11,7 @@ TEST(WrittenUnit, IsWhatFollowsTheNumber) {
   EXPECT_EQ(unit_written_in("30 kN/m"), "kN/m");
   EXPECT_EQ(unit_written_in("-2.5e-3 m/s^2/sqrt(Hz)"), "m/s^2/sqrt(Hz)");
   EXPECT_EQ(unit_written_in("1e3N "), "N");
-  for (const std::string text : {"30", "20 %", "-1e-3", "", "auto", "3 apples"})
+  for (const std::string text : {"30", "20 %", "0 s", "-1e-3", "", "auto", "3 apples"})
     EXPECT_EQ(unit_written_in(text), "") << text;
 }
 

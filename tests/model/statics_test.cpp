@@ -176,6 +176,33 @@ TEST(Statics, PressurisedThickCylinderHasLamesStresses) {
   }
 }
 
+// Membrane stress p r / t around a thin cylinder that can lengthen; its normals point outwards, so pressure inside is
+// negative on its top.
+TEST(Statics, PressurisedThinCylinderHasItsMembraneStress) {
+  const double r = 1.0, t = 0.005, p = 1e5;
+  for (const auto shape : {CellShape::quadrilateral4, CellShape::triangle3}) {
+    ShellProblem problem(
+        {24, 6, shape},
+        [&](double u, double v) -> Vector3d {
+          return {r * std::cos(0.5 * pi * u), r * std::sin(0.5 * pi * u), 0.5 * v};
+        },
+        steel, t);
+    problem.fix(problem.grid.side('u', 0), {1, 3, 5});
+    problem.fix(problem.grid.side('u', 1), {0, 4, 5});
+    problem.fix(problem.grid.side('v', 0), {2, 3, 4});
+    const auto faces = faces_of_cells(problem.model, problem.model.mesh.regions.at("shell"));
+    const auto solution = solve_statics(problem.model, {.name = "inside", .pressures = {{faces, -p}}});
+    const auto region = recover_stresses(problem.model, solution.displacements)[0];
+    const Index middle = problem.grid.node(12, 3);
+    EXPECT_NEAR(solution.displacements.segment<3>(6 * middle).head<2>().norm(), p * r * r / (t * steel.youngs_modulus),
+                0.01 * p * r * r / (t * steel.youngs_modulus));
+    for (const auto& mean : nodal_stresses(problem.model.mesh, region))
+      if (mean.node == middle && mean.layer == Layer::middle)
+        EXPECT_NEAR(von_mises(mean.stress), p * r / t, 0.01 * p * r / t);
+    EXPECT_LT(solution.imbalance, 1e-9);
+  }
+}
+
 TEST(Statics, WeightOfABlockStandsOnItsSupport) {
   SolidProblem problem(
       {2, 2, 4, CellShape::hexahedron8, 0.1},
@@ -194,7 +221,7 @@ TEST(Statics, WeightOfABlockStandsOnItsSupport) {
 
 TEST(Statics, ImposedMotionAndGroundSpringAreInTheBalance) {
   auto model = beam_model({2.0, 0.0, 0.0}, 2, rectangular_section(0.04, 0.06));
-  clamp(model, "pin", {0}, {0, 1, 2, 3});
+  clamp(model, "pin", {0}, {0, 1, 2, 3, 5});
   model.springs.push_back({.name = "prop", .from = {1, 2}, .stiffness = 2e5});
   const auto solution = solve_statics(model, {.name = "lift", .imposed = {{{2, 2}, 5e-3}}});
   EXPECT_NEAR(solution.displacements[6 * 2 + 2], 5e-3, 1e-15);
@@ -202,6 +229,34 @@ TEST(Statics, ImposedMotionAndGroundSpringAreInTheBalance) {
   EXPECT_NEAR(prop, -2e5 * solution.displacements[6 * 1 + 2], 1e-6);
   EXPECT_NEAR(reaction(solution, "imposed motion").sum.force.z(), -0.5 * prop, 1e-6 * std::abs(prop));
   EXPECT_LT(solution.imbalance, 1e-9);
+}
+
+TEST(Statics, ObliqueSpringToTheGroundIsInTheBalance) {
+  auto model = cantilever(2);
+  const double s = std::sqrt(0.5);
+  model.joints.push_back({.name = "stay", .deformation = {{{2, 0}, s}, {{2, 2}, s}}, .stiffness = 4e5});
+  const auto solution = solve_statics(model, {.name = "push", .loads = {{2, {0.0, 0.0, -1000.0}, Vector3d::Zero()}}});
+  const auto& stay = reaction(solution, "stay").sum.force;
+  EXPECT_GT(stay.z(), 100.0);
+  EXPECT_NEAR(stay.x(), stay.z(), 1e-9 * stay.z());
+  EXPECT_NEAR(reaction(solution, "wall").sum.force.z(), 1000.0 - stay.z(), 1e-6);
+  EXPECT_LT(solution.imbalance, 1e-9);
+}
+
+// Imposing a motion on a link's follower must not take a support off its master.
+TEST(Statics, ImposedMotionOfAFollowerLeavesSupportsInPlace) {
+  auto model = beam_model({2.0, 0.0, 0.0}, 2, rectangular_section(0.04, 0.06));
+  const Index lever = add_node(model.mesh, {0.0, 0.0, 0.4});
+  model.links.push_back({"lever", 0, {lever}});
+  clamp(model, "pin", {0}, {0, 1, 2, 3, 5});
+  clamp(model, "end", {2});
+  const auto solution = solve_statics(model, {.name = "turn", .imposed = {{{lever, 0}, 1e-3}}});
+  EXPECT_NEAR(solution.displacements[6 * lever], 1e-3, 1e-15);
+  EXPECT_NEAR(solution.displacements[4], 1e-3 / 0.4, 1e-12);
+  EXPECT_EQ(solution.displacements[0], 0.0);
+  EXPECT_LT(solution.imbalance, 1e-9);
+  const auto held = message_of([&] { solve_statics(model, {.name = "stuck", .imposed = {{{lever, 1}, 1e-3}}}); });
+  EXPECT_NE(held.find("which nothing moves with"), std::string::npos) << held;
 }
 
 // A load on the hub of a rigid link reaches a support at the end of another link.

@@ -31,6 +31,8 @@ TEST(DisplayUnit, KeepsTheUnitOfTheUser) {
   EXPECT_EQ(millimetres.unit(), "N/mm");
   EXPECT_EQ(millimetres.value(2.1e8, 5e5), "210000");
   EXPECT_EQ(DisplayUnit("m", {1e-3}, "in").value(0.0254), "1");
+  const DisplayUnit too_large("N/m^3", {1.2e7}, "N/m^3");
+  EXPECT_EQ(too_large.value(1.2e7, 6e4) + " " + too_large.unit(), "12.000 MN/m^3");
 }
 
 TEST(DisplayUnit, ShowsTwoDigitsOfTheDeviation) {

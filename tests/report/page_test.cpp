@@ -106,7 +106,8 @@ TEST(Report, StandsAlone) {
   Page page = sample_page();
   page.sections.push_back({"Structure", "", {sample_scene()}});
   const std::string html = render_html(page);
-  for (const char* outside : {"src=", "<link", "@import", "url(", "href=\"http", "fetch(", "XMLHttpRequest"}) {
+  for (const char* outside :
+       {"src=", "<link", "@import", "url(h", "url(/", "url(\"", "url('", "href=\"http", "fetch(", "XMLHttpRequest"}) {
     EXPECT_FALSE(contains(html, outside)) << outside;
   }
   EXPECT_TRUE(contains(html, "default-src 'none'"));

@@ -45,7 +45,7 @@ inline Scene sample_scene() {
   }
   scene.fields = {{"mode 1: 12.50 Hz", shapes.col(0)},
                   {"mode 2: 31.25 Hz", shapes.col(1)},
-                  motion_field("estimated motion", times, motion)};
+                  motion_field("estimated motion", times, motion, 12)};
   return scene;
 }
 

@@ -57,7 +57,7 @@ TEST(Scene, EveryMotionIsKeptByItsPrincipalShapes) {
   std::vector<double> times(40);
   for (std::size_t k = 0; k < times.size(); ++k) times[k] = 0.1 * static_cast<double>(k);
   const MatrixXd motion = shapes * coordinates;
-  const SceneField field = motion_field("m", times, motion);
+  const SceneField field = motion_field("m", times, motion, 40);
   EXPECT_EQ(field.shapes.cols(), 3);
   EXPECT_LT((field.shapes * field.coordinates - motion).norm(), 1e-9 * motion.norm());
 }

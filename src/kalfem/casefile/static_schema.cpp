@@ -11,16 +11,19 @@ namespace {
 std::vector<Issue> check_loaded(const StaticCase& given) {
   const bool weightless = given.gravity == std::array<double, 3>{};
   if (!given.forces.empty() || !given.pressures.empty() || !given.displacements.empty() || !weightless) return {};
-  return {{{}, "the load case has no load", "nothing would happen",
+  return {{{},
+           "the load case has no load",
+           "nothing would happen",
            "give `forces`, `pressures`, `gravity` or `displacements`"}};
 }
 
 Schema<StaticCase> static_case() {
   const auto force =
       Fields<StaticForce>()
-          .required("at", &StaticForce::at, name(),
-                    "one of `nodes`, a node number, or a group: the load is spread evenly over its lines or surfaces, or "
-                    "shared equally by its nodes")
+          .required(
+              "at", &StaticForce::at, name(),
+              "one of `nodes`, a node number, or a group: the load is spread evenly over its lines or surfaces, or "
+              "shared equally by its nodes")
           .optional("force", &StaticForce::force, tuple<3>(number("N")), "force along x, y, z, of the whole group")
           .optional("moment", &StaticForce::moment, tuple<3>(number("N m")), "moment about x, y, z, of the whole group")
           .check([](const StaticForce& given) -> std::vector<Issue> {

@@ -69,16 +69,15 @@ void check(const std::vector<Field>& fields, Eigen::Index count, const std::stri
   for (const auto& field : fields) {
     if (field.name.empty()) issues.add({}, "a field has no name", "ParaView needs names for fields", "name it");
     if (!names.insert(field.name).second)
-      issues.add({},
-                 "the field '" + field.name + "' is given twice or has the name of the numbers of " + what + "s",
+      issues.add({}, "the field '" + field.name + "' is given twice or has the name of the numbers of " + what + "s",
                  "names must differ", "rename it");
     if (field.values.cols() != count || field.values.rows() < 1)
-      issues.add({},
-                 "the field '" + field.name + "' is of size " + std::to_string(field.values.rows()) + " x " +
-                     std::to_string(field.values.cols()),
-                 "it needs one column for each of the " + std::to_string(count) + " " + what +
-                     "s, and at least one row",
-                 "give a matrix of components x " + what + "s");
+      issues.add(
+          {},
+          "the field '" + field.name + "' is of size " + std::to_string(field.values.rows()) + " x " +
+              std::to_string(field.values.cols()),
+          "it needs one column for each of the " + std::to_string(count) + " " + what + "s, and at least one row",
+          "give a matrix of components x " + what + "s");
   }
 }
 

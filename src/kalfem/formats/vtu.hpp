@@ -20,8 +20,8 @@ struct CellField {
   Eigen::MatrixXd values;  ///< components x cells
 };
 
-/// Writes a mesh and fields over its nodes and cells as a VTK unstructured grid (.vtu, numbers as raw bytes behind the XML),
-/// which ParaView reads. The arrays "node" and "cell" hold the numbers of the mesh's file, "region" of a cell the
+/// Writes a mesh and fields over its nodes and cells as a VTK unstructured grid (.vtu, numbers as raw bytes behind the
+/// XML), which ParaView reads. The arrays "node" and "cell" hold the numbers of the mesh's file, "region" of a cell the
 /// position of its region in the alphabetical list "regions" among the field data, -1 for a cell of none; a cell of
 /// several regions counts to the first. Throws InvalidInput when a field does not fit the mesh, when names are empty or
 /// double, or when the file cannot be written. The format is described in "VTK File Formats" of the VTK user's guide

@@ -19,8 +19,7 @@ PointResponse response_at(const NamedNode& point, const StaticCaseOutcome& outco
   PointResponse response{point.name, point.node, outcome.solution.displacements.segment<6>(6 * point.node), {}};
   for (const auto& region : outcome.nodal)
     for (const auto& mean : region)
-      if (mean.node == point.node &&
-          (!response.stress || von_mises(mean.stress) > von_mises(response.stress->stress)))
+      if (mean.node == point.node && (!response.stress || von_mises(mean.stress) > von_mises(response.stress->stress)))
         response.stress = mean;
   return response;
 }

@@ -16,13 +16,9 @@
 namespace kalfem {
 namespace {
 
-std::string counted(std::size_t count, const std::string& noun) {
-  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
-}
-
 /// "4 accelerations and 1 displacement"
 std::string sensors_in_words(const Study& study, const Record& record) {
-  std::map<std::string, std::size_t> kinds;
+  std::map<std::string, Eigen::Index> kinds;
   for (const auto& channel : record.channels) {
     const auto sensor = std::ranges::find(study.sensors, channel.name, &Sensor::name);
     if (sensor == study.sensors.end()) continue;
@@ -66,7 +62,7 @@ std::string precision_in_words(const std::vector<IdentifiedParameter>& parameter
 /// Up to three parameters with their values, more by their number.
 std::string found_in_words(const std::vector<IdentifiedParameter>& parameters) {
   constexpr std::size_t most = 3;
-  if (parameters.size() > most) return counted(parameters.size(), "parameter");
+  if (parameters.size() > most) return counted(static_cast<Eigen::Index>(parameters.size()), "parameter");
   std::vector<std::string> words;
   for (const auto& each : parameters) words.push_back(each.name + " = " + value_in_words(each));
   return fmt::format("{}", fmt::join(words, ", "));
@@ -74,7 +70,7 @@ std::string found_in_words(const std::vector<IdentifiedParameter>& parameters) {
 
 std::string updated_in_words(const UpdatingOutcome& outcome) {
   return fmt::format("{} of the model updated: the residual decreased from {} to {} standard deviations.",
-                     counted(static_cast<std::size_t>(outcome.values.size()), "parameter"),
+                     counted(outcome.values.size(), "parameter"),
                      four_digits(outcome.residual_initial), four_digits(outcome.residual_final));
 }
 

@@ -100,7 +100,7 @@ void add_inferred(const Study& study, const InferenceOutcome& outcome, std::vect
 /// A line over the prior's interval, a thick one over the posterior's, a tick at the value, a diamond at the truth; all
 /// on one axis that holds them.
 std::string bar_svg(const IdentifiedParameter& parameter) {
-  constexpr double width = 190.0, height = 22.0, middle = 0.5 * height, margin = 5.0;
+  constexpr double width = 120.0, height = 22.0, middle = 0.5 * height, margin = 5.0;
   const Interval posterior = parameter.interval.value_or(Interval{parameter.value, parameter.value});
   const Interval prior = parameter.prior.value_or(posterior);
   double low = std::min({prior.lower, posterior.lower, parameter.value});
@@ -168,8 +168,8 @@ Table identified_parameter_table(const std::vector<IdentifiedParameter>& paramet
   const bool with_truth = std::ranges::any_of(parameters, [](const auto& each) { return each.z().has_value(); });
   const bool with_prior = std::ranges::any_of(parameters, [](const auto& each) { return each.prior.has_value(); });
   Table table{.title = "What was found",
-              .columns = {"parameter", "value ± standard deviation"},
-              .graphics_title = with_prior ? "prior → posterior, 95 %" : "95 % interval",
+              .columns = {"parameter", "value ± std"},
+              .graphics_title = with_prior ? "prior → posterior" : "95 % interval",
               .half_width = true};
   if (with_truth) table.columns.emplace_back("z");
   for (const auto& each : parameters) {
@@ -177,7 +177,8 @@ Table identified_parameter_table(const std::vector<IdentifiedParameter>& paramet
     if (with_truth) row.push_back(each.z() ? fmt::format("{:+.1f}", *each.z()) : "-");
     table.graphics.push_back(bar_svg(each));
   }
-  if (with_truth) table.caption = "z: (value - truth) / standard deviation. The diamond is the truth.";
+  table.caption = "Bars: 95 % intervals.";
+  if (with_truth) table.caption += " z: (value - truth) / standard deviation. The diamond is the truth.";
   return table;
 }
 

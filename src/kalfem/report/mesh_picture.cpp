@@ -39,7 +39,9 @@ constexpr std::array<Colour, 10> palette = {{{0x6f, 0x9b, 0xc8},
 
 /// "#rrggbb".
 Colour parsed(const std::string& text) {
-  const auto channel = [&](std::size_t from) { return static_cast<double>(std::stoi(text.substr(from, 2), nullptr, 16)); };
+  const auto channel = [&](std::size_t from) {
+    return static_cast<double>(std::stoi(text.substr(from, 2), nullptr, 16));
+  };
   return {channel(1), channel(3), channel(5)};
 }
 

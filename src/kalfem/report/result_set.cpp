@@ -46,8 +46,7 @@ void write_fields(const std::string& folder, const Study& study, const StudyResu
   for (const auto& elements : study.structure->finite_elements) {
     if (elements.part->elements.mesh.cells.empty()) continue;
     for (const auto& modes : results.modes)
-      if (modes.name == elements.part->name && modes.frequencies.size() > 0)
-        write_modes(folder, *elements.part, modes);
+      if (modes.name == elements.part->name && modes.frequencies.size() > 0) write_modes(folder, *elements.part, modes);
     for (const auto& series : results.fields)
       if (series.substructure == elements.part->name) write_series(folder, *elements.part, series);
   }

@@ -54,8 +54,8 @@ CaseResult values_of(const Study& study, const StudyResults& results) {
 }
 
 Step step_named(const std::string& name) {
-  const std::vector<std::string> names{"modes",  "simulate", "estimate", "predict",
-                                       "update", "infer",    "place",    "static", "everything"};
+  const std::vector<std::string> names{"modes", "simulate", "estimate", "predict",   "update",
+                                       "infer", "place",    "static",   "everything"};
   const auto found = std::ranges::find(names, name);
   if (found == names.end())
     throw InvalidInput("last_step: there is no step '" + name + "'" + did_you_mean(name, names), "",

@@ -53,7 +53,7 @@ struct Scene {
 /// A motion in at most `most_shapes` principal shapes (proper orthogonal decomposition): the fewest whose error is
 /// below `tolerance` of the motion, both as rms over places and times. `displacement`: 3 places x times [m].
 SceneField motion_field(const std::string& name, const std::vector<double>& times, const Eigen::MatrixXd& displacement,
-                        Eigen::Index most_shapes = 12, double tolerance = 1e-3);
+                        Eigen::Index most_shapes, double tolerance = 1e-3);
 
 /// What is wrong with a scene, one sentence each: places, regions and fields that do not fit, numbers that are not
 /// finite. Empty: it can be drawn.

@@ -58,8 +58,7 @@ void write_static_fields(const std::filesystem::path& folder, const StaticsPlan&
   std::vector<CellField> cells;
   for (const auto& each : outcome.cases) {
     const std::string prefix = each.solution.load_case + ": ";
-    nodal.push_back(
-        {prefix + "displacement", each.solution.displacements.reshaped(6, mesh.node_count()).topRows(3)});
+    nodal.push_back({prefix + "displacement", each.solution.displacements.reshaped(6, mesh.node_count()).topRows(3)});
     nodal.push_back({prefix + "von Mises stress", nodal_von_mises(mesh, each)});
     auto tensors = cell_tensors(mesh, each);
     add_known(prefix + "stress", std::move(tensors.stress), cells);

@@ -21,9 +21,8 @@ std::int64_t cell_id(const StaticsPlan& plan, Index cell) {
 }
 
 Json resultant_json(const Resultant& resultant) {
-  return {{"force", numbers(resultant.force)},
-          {"moment", numbers(resultant.moment)},
-          {"about", numbers(resultant.centre)}};
+  return {
+      {"force", numbers(resultant.force)}, {"moment", numbers(resultant.moment)}, {"about", numbers(resultant.centre)}};
 }
 
 Json point_json(const StaticsPlan& plan, const PointResponse& point) {
@@ -67,15 +66,15 @@ Json case_json(const StaticsPlan& plan, const StaticCaseOutcome& each) {
   for (const auto& reaction : each.solution.reactions) reactions[reaction.name] = resultant_json(reaction.sum);
   for (const auto& peak : each.peaks) stresses[peak.region] = peak_json(plan, peak);
   const Index farthest = farthest_node(each);
-  return {{"displacements", points},
-          {"displacement_max",
-           {{"node", node_id(plan, farthest)}, {"displacement", numbers(translation(each, farthest))}}},
-          {"applied", resultant_json(each.solution.applied)},
-          {"reactions", reactions},
-          {"reaction_sum", resultant_json(each.solution.reaction_sum)},
-          {"imbalance", number(each.solution.imbalance)},
-          {"stress_max", each.peaks.empty() ? Json() : peak_json(plan, each.peaks.front())},
-          {"stress_by_region", stresses}};
+  return {
+      {"displacements", points},
+      {"displacement_max", {{"node", node_id(plan, farthest)}, {"displacement", numbers(translation(each, farthest))}}},
+      {"applied", resultant_json(each.solution.applied)},
+      {"reactions", reactions},
+      {"reaction_sum", resultant_json(each.solution.reaction_sum)},
+      {"imbalance", number(each.solution.imbalance)},
+      {"stress_max", each.peaks.empty() ? Json() : peak_json(plan, each.peaks.front())},
+      {"stress_by_region", stresses}};
 }
 
 /// "301.2 MPa".
@@ -92,7 +91,8 @@ std::vector<std::string> joined(std::vector<std::string> first, const std::vecto
   return first;
 }
 
-std::vector<std::string> resultant_row(const std::string& load_case, const std::string& of, const Resultant& resultant) {
+std::vector<std::string> resultant_row(const std::string& load_case, const std::string& of,
+                                       const Resultant& resultant) {
   return joined(joined({load_case, of}, digits(resultant.force)), digits(resultant.moment));
 }
 
@@ -109,8 +109,7 @@ std::string statics_answer(const StaticsOutcome& outcome) {
       fmt::format("{} static load case{}", outcome.cases.size(), outcome.cases.size() == 1 ? "" : "s");
   const StaticCaseOutcome* worst = nullptr;
   for (const auto& each : outcome.cases)
-    if (!each.peaks.empty() &&
-        (!worst || std::abs(each.peaks.front().value) > std::abs(worst->peaks.front().value)))
+    if (!each.peaks.empty() && (!worst || std::abs(each.peaks.front().value) > std::abs(worst->peaks.front().value)))
       worst = &each;
   if (!worst) return count + " solved.";
   const auto& peak = worst->peaks.front();
@@ -119,10 +118,11 @@ std::string statics_answer(const StaticsOutcome& outcome) {
 }
 
 Table static_points_table(const StaticsOutcome& outcome) {
-  Table table{"Displacements and stresses of points",
-              {"load case", "point", "x [m]", "y [m]", "z [m]", "rx [rad]", "ry [rad]", "rz [rad]", "von Mises", "layer"},
-              {},
-              {}};
+  Table table{
+      "Displacements and stresses of points",
+      {"load case", "point", "x [m]", "y [m]", "z [m]", "rx [rad]", "ry [rad]", "rz [rad]", "von Mises", "layer"},
+      {},
+      {}};
   for (const auto& each : outcome.cases)
     for (const auto& point : each.points) {
       auto row = joined({each.solution.load_case, point.name}, digits(point.displacement));
@@ -156,11 +156,10 @@ Table stresses_table(const StaticsPlan& plan, const StaticsOutcome& outcome) {
   for (const auto& each : outcome.cases)
     for (const auto& peak : each.peaks) {
       const Eigen::Vector3d place = plan.part->elements.mesh.nodes.col(peak.node);
-      table.rows.push_back({each.solution.load_case, peak.region, pressure_text(peak.value),
-                            std::to_string(cell_id(plan, peak.cell)), std::to_string(node_id(plan, peak.node)),
-                            peak.layer == Layer::solid ? "-" : to_string(peak.layer),
-                            fmt::format("{}, {}, {}", four_digits(place.x()), four_digits(place.y()),
-                                        four_digits(place.z()))});
+      table.rows.push_back(
+          {each.solution.load_case, peak.region, pressure_text(peak.value), std::to_string(cell_id(plan, peak.cell)),
+           std::to_string(node_id(plan, peak.node)), peak.layer == Layer::solid ? "-" : to_string(peak.layer),
+           fmt::format("{}, {}, {}", four_digits(place.x()), four_digits(place.y()), four_digits(place.z()))});
     }
   return without_empty_columns(std::move(table));
 }

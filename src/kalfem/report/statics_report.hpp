@@ -31,8 +31,8 @@ std::string console_statics(const StaticsPlan& plan, const StaticsOutcome& outco
 Section statics_section(const StaticsPlan& plan, const StaticsOutcome& outcome);
 
 /// <substructure>_static.vtu for ParaView: for each load case the displacement and the von Mises stress of the nodes
-/// (means; the largest of layers and regions), stress and strain at the centre of each cell (of a shell in the layer with
-/// the larger stress), and the axial stress of beams. NaN where there is none.
+/// (means; the largest of layers and regions), stress and strain at the centre of each cell (of a shell in the layer
+/// with the larger stress), and the axial stress of beams. NaN where there is none.
 void write_static_fields(const std::filesystem::path& folder, const StaticsPlan& plan, const StaticsOutcome& outcome);
 
 }  // namespace kalfem

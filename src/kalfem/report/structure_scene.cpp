@@ -19,7 +19,9 @@ using Eigen::MatrixXd;
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
 constexpr std::size_t most_modes = 40, most_unlabelled_marks = 150, most_links = 600;
-constexpr Index most_frames = 400;  ///< of a motion
+constexpr Index most_frames = 400;                  ///< of a motion
+constexpr Index most_shape_places = 500000;         ///< shapes of a motion times places, to keep pages small ...
+constexpr Index few_shapes = 12, many_shapes = 40;  ///< ... but no fewer shapes than these, and no more
 
 /// The places of a scene: those of the drawn surface, each a weighted mean of nodes, and nodes of their own, on which
 /// marks and lines stand.
@@ -188,7 +190,8 @@ void add_motion(const FiniteElementPart& part, const FieldSeries& series, const 
     motion.col(k / every) = at_places(part, averaging, series.displacement.col(k));
     kept.push_back(series.times[static_cast<std::size_t>(k)]);
   }
-  scene.fields.push_back(motion_field(series.name.substr(part.name.size() + 1) + " motion", kept, motion));
+  const Index shapes = std::clamp(most_shape_places / averaging.cols(), few_shapes, many_shapes);
+  scene.fields.push_back(motion_field(series.name.substr(part.name.size() + 1) + " motion", kept, motion, shapes));
 }
 
 }  // namespace

@@ -230,8 +230,8 @@ Eigen::Index dofs_of_all(const StudyResults& results) {
 
 Page make_page(const Study& study, const StudyResults& results) {
   Page page{.title = study.title.empty() ? "kalfem" : study.title,
-            .subtitle = fmt::format("{} degrees of freedom, {} connectors", dofs_of_all(results),
-                                    study.model->system().connector_count()),
+            .subtitle = fmt::format("{} degrees of freedom, {}", dofs_of_all(results),
+                                    counted(study.model->system().connector_count(), "connector")),
             .status = results.verdict.state(),
             .summary = answer(study, results),
             .warnings = study.warnings};

@@ -15,8 +15,8 @@
 #include "kalfem/report/frequency_report.hpp"
 #include "kalfem/report/inference_report.hpp"
 #include "kalfem/report/placement_report.hpp"
-#include "kalfem/report/statics_report.hpp"
 #include "kalfem/report/process_noise_report.hpp"
+#include "kalfem/report/statics_report.hpp"
 #include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/updating_tables.hpp"
 #include "kalfem/study/structural_modifications.hpp"
@@ -75,6 +75,10 @@ Table without_empty_columns(Table table) {
     for (auto& row : table.rows) row.erase(row.begin() + at);
   }
   return table;
+}
+
+std::string counted(Eigen::Index count, const std::string& noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
 std::string four_digits(double value) { return std::isfinite(value) ? fmt::format("{:.4g}", value) : "-"; }

@@ -180,8 +180,7 @@ void add_grounds(const d::Substructure& given, LinearModel& model) {
 
 DescribedPart make_finite_element_part(const std::string& name, const d::Substructure& given,
                                        const std::vector<std::string>& attached,
-                                       const std::vector<std::string>& parameters,
-                                       const d::Statics* statics) {
+                                       const std::vector<std::string>& parameters, const d::Statics* statics) {
   DescribedPart described;
   FiniteElementPart& part = described.part;
   part.name = name;

@@ -24,8 +24,7 @@ struct DescribedPart {
 /// `statics`: the static load cases of this substructure, if it has some.
 DescribedPart make_finite_element_part(const std::string& name, const description::Substructure& given,
                                        const std::vector<std::string>& attached,
-                                       const std::vector<std::string>& parameters,
-                                       const description::Statics* statics);
+                                       const std::vector<std::string>& parameters, const description::Statics* statics);
 
 /// The reduction that the case asks for; ReductionRequest states the defaults.
 ReductionRequest reduction_request(const std::optional<Located<description::Reduction>>& given);

@@ -116,8 +116,7 @@ std::vector<NamedNode> reported_points(const d::Statics& given, const FiniteElem
     if (const auto named = std::ranges::find(part.nodes, point.value, &NamedNode::name); named != part.nodes.end())
       points.push_back(*named);
     else
-      issues.add(point.location,
-                 point.path + ": there is no node '" + point.value + "'" + places.hint(point.value),
+      issues.add(point.location, point.path + ": there is no node '" + point.value + "'" + places.hint(point.value),
                  "displacements are reported at named nodes", "define it under `nodes`");
   return points;
 }
@@ -129,9 +128,9 @@ FiniteElementPartPtr loaded_part(const d::Statics& given, const StructureModel& 
     known.push_back(elements.part->name);
   }
   const auto& [name, location, path] = given.substructure;
-  throw InvalidInput(Issue{location,
-                           path + ": there is no finite-element substructure '" + name + "'" + did_you_mean(name, known),
-                           "stresses need elements", "name a substructure with finite_elements"});
+  throw InvalidInput(
+      Issue{location, path + ": there is no finite-element substructure '" + name + "'" + did_you_mean(name, known),
+            "stresses need elements", "name a substructure with finite_elements"});
 }
 
 }  // namespace
@@ -156,10 +155,10 @@ SparseMatrix preload_stiffness(const FiniteElementPart& part, const Name& load_c
   const auto& cases = (statics ? *statics : none).cases;
   const auto found = std::ranges::find(cases, load_case.value, [](const auto& each) { return each.first; });
   if (found == cases.end())
-    throw InvalidInput(Issue{load_case.location,
-                             load_case.path + ": `static` has no load case '" + load_case.value + "' of '" + part.name +
-                                 "'",
-                             "a preload is the stress of a static load case", "describe it under static.cases"});
+    throw InvalidInput(
+        Issue{load_case.location,
+              load_case.path + ": `static` has no load case '" + load_case.value + "' of '" + part.name + "'",
+              "a preload is the stress of a static load case", "describe it under static.cases"});
   IssueList issues;
   const LoadCase loads = load_case_of(found->first, found->second.value, LoadPlaces(part, issues));
   issues.raise();
@@ -169,7 +168,8 @@ SparseMatrix preload_stiffness(const FiniteElementPart& part, const Name& load_c
 
 StaticsPlan make_statics_plan(const d::Case& given, const StructureModel& structure, IssueList& issues) {
   const auto& [statics, location, path] = *given.statics;
-  if (statics.cases.empty()) issues.add(location, path + ".cases is empty", "nothing is loaded", "describe a load case");
+  if (statics.cases.empty())
+    issues.add(location, path + ".cases is empty", "nothing is loaded", "describe a load case");
   StaticsPlan plan{.part = loaded_part(statics, structure)};
   const LoadPlaces places(*plan.part, issues);
   std::vector<LoadCase> cases;

@@ -29,7 +29,7 @@ std::string unit_written_in(const std::string& text) {
   try {
     const auto quantity = parse_quantity(text);
     const auto end = text.find_last_not_of(' '), begin = text.find_first_not_of("+-.0123456789eE ");
-    if (quantity.bare || begin == std::string::npos || text[begin] == '%') return "";
+    if (quantity.bare || quantity.value == 0.0 || begin == std::string::npos || text[begin] == '%') return "";
     return text.substr(begin, end - begin + 1);
   } catch (const InvalidInput&) {
     return "";

@@ -24,8 +24,8 @@ struct IsotropicMaterial {
   [[nodiscard]] double shear_modulus() const { return youngs_modulus / (2.0 * (1.0 + poissons_ratio)); }
 };
 
-/// Where the axial stress of a section is largest: its corners, or the radius of a round one, from the centroid. Neither
-/// where the section is known by its constants alone.
+/// Where the axial stress of a section is largest: its corners, or the radius of a round one, from the centroid.
+/// Neither where the section is known by its constants alone.
 struct SectionOutline {
   std::vector<Eigen::Vector2d> corners = {};  ///< local y and z [m]
   double radius = 0.0;                        ///< [m]

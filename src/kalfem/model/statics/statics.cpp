@@ -23,8 +23,11 @@ FiniteElementModel without_supports(FiniteElementModel model) {
   return model;
 }
 
-std::vector<NodalDof> imposed_dofs(const std::vector<LoadCase>& cases) {
+/// Degrees of freedom that supports or load cases hold: coordinates of their own although links may let them follow.
+std::vector<NodalDof> prescribed_dofs(const std::map<NodalDof, std::string>& supported,
+                                      const std::vector<LoadCase>& cases) {
   std::set<NodalDof> dofs;
+  for (const auto& [dof, support] : supported) dofs.insert(dof);
   for (const auto& each : cases)
     for (const auto& motion : each.imposed) dofs.insert(motion.dof);
   return {dofs.begin(), dofs.end()};
@@ -93,7 +96,7 @@ public:
       : model_(model),
         cases_(std::move(cases)),
         supported_(supported_dofs(model)),
-        assembled_(assemble(without_supports(model), {.independent = imposed_dofs(cases_)})),
+        assembled_(assemble(without_supports(model), {.independent = prescribed_dofs(supported_, cases_)})),
         stiffness_(evaluate(assembled_.stiffness, assembled_.parameters)) {
     IssueList issues;
     for (const auto& each : cases_) {
@@ -217,6 +220,8 @@ private:
       if (!spring.to)
         by_name[spring.ground].push_back(
             {spring.from, -spring.stiffness * solution.displacements[all_index(spring.from)]});
+    for (const auto& joint : model_.joints)
+      if (is_grounded(joint)) add_forces_of(joint, solution.displacements, by_name[joint.name]);
     solution.reaction_sum.centre = middle();
     for (const auto& [name, forces] : by_name) {
       Eigen::Vector3d centre = Eigen::Vector3d::Zero();
@@ -226,6 +231,22 @@ private:
       solution.reaction_sum += solution.reactions.back().sum;
       solution.support_forces.insert(solution.support_forces.end(), forces.begin(), forces.end());
     }
+  }
+
+  /// Whether a rigid motion of the model deforms the joint, as one of an oblique spring to the ground.
+  [[nodiscard]] bool is_grounded(const JointSpring& joint) const {
+    std::vector<DofForce> unit;
+    for (const auto& [dof, coefficient] : joint.deformation) unit.push_back({dof, coefficient});
+    const Resultant sum = resultant_of(model_.mesh, unit, middle());
+    return relative_imbalance(model_.mesh, sum, unit) > 1e-9;
+  }
+
+  /// -k d c_i with the deformation d = sum c_i z_i.
+  static void add_forces_of(const JointSpring& joint, const VectorXd& displacements, std::vector<DofForce>& forces) {
+    double deformation = 0.0;
+    for (const auto& [dof, coefficient] : joint.deformation) deformation += coefficient * displacements[all_index(dof)];
+    for (const auto& [dof, coefficient] : joint.deformation)
+      forces.push_back({dof, -joint.stiffness * deformation * coefficient});
   }
 
   void judge_balance(const VectorXd& nodal, StaticSolution& solution) const {

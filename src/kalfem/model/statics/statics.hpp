@@ -9,9 +9,9 @@
 
 namespace kalfem {
 
-/// What a support, a ground or an imposed motion exerts on the structure.
+/// What a support, a ground, a joint to the ground or an imposed motion exerts on the structure.
 struct Reaction {
-  std::string name;  ///< of the support or the ground; "imposed motion"
+  std::string name;  ///< of the support, the ground or the joint; "imposed motion"
   Resultant sum;     ///< about the middle of its nodes
 };
 

@@ -69,8 +69,10 @@ struct RegionStress {
 std::vector<RegionStress> recover_stresses(const FiniteElementModel& model, const Eigen::VectorXd& displacements,
                                            const Eigen::Vector3d& acceleration = Eigen::Vector3d::Zero());
 
-/// Mean over the cells of a region that meet at a node with one surface: where normals of shells differ by more than
-/// 30 degrees, as at an edge, each side has its own mean.
+/// Stress of a region at its nodes: the mean over the cells that meet at a node with one surface. Where normals of
+/// shells differ by more than 30 degrees, as at a fold, each side has its own value. At the edges of a region of linear
+/// cells the values of inner patches are extended linearly, by superconvergent patch recovery [ZZ92]: of the second
+/// order too.
 struct NodalStress {
   Eigen::Index node = 0;
   Layer layer = Layer::solid;

@@ -14,7 +14,7 @@ import {Readout} from "./readout.js";
 import {count} from "./tally.js";
 
 const heights = {full: 270, half: 290, scatter: 290};
-const printedWidths = {full: 650, half: 300, scatter: 300};  // CSS pixels that fit on A4
+const onPaper = {full: [650, 185], half: [300, 165], scatter: [300, 210]};  // CSS pixels that fit on A4
 
 export const zoomHint = "Drag across a chart to zoom, double-click to show everything. With the keyboard: Tab to a chart, " +
                         "arrows read values, + and \u2212 zoom, 0 shows everything.";
@@ -52,19 +52,19 @@ export class ChartView {
   // ---- drawing
 
   // Draws anew, with the colours and the width of the moment.
-  build(width = this.canvas.clientWidth) {
+  build(width = this.canvas.clientWidth, height = heights[this.size]) {
     this.plot?.destroy();
-    this.plot = new uPlot(this.options(Math.max(width, 160)), plotRows(this.data, this.curves), this.canvas);
+    this.plot = new uPlot(this.options(Math.max(width, 160), height), plotRows(this.data, this.curves), this.canvas);
     this.plot.over.append(this.readout.node);
     this.draw();
   }
 
-  buildForPrint() { this.build(printedWidths[this.size]); }
+  buildForPrint() { this.build(...onPaper[this.size]); }
 
-  options(width) {
+  options(width, height) {
     const {scatter, x_label, y_label} = this.data;
     return {
-      mode: scatter ? 2 : 1, width, height: heights[this.size], ...plotSeries(this.data, this.curves),
+      mode: scatter ? 2 : 1, width, height, ...plotSeries(this.data, this.curves),
       legend: {show: false}, padding: [10, 14, 0, 0],
       scales: {x: {time: false, range: (u, low, high) => this.xRange(low, high)},
                y: {range: (u, low, high) => this.yRange(low, high)}},

@@ -1,3 +1,5 @@
+/*! With uPlot, Copyright (c) Leon Sorokin, MIT licence. */
+
 // A chart's data and look in the terms of uPlot.
 
 import uPlot from "uplot";

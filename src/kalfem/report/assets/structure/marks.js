@@ -36,6 +36,7 @@ export class Marks {
       node.style.left = `${50 + 50 * at.x}%`;
       node.style.top = `${50 - 50 * at.y}%`;
       node.hidden = Math.abs(at.x) > 1 || Math.abs(at.y) > 1;
+      node.classList.toggle("leftwards", at.x > 0.5);
     }
     this.updateAxes(camera);
   }
