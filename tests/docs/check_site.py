@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Builds the site and looks at its pages: links that lead nowhere, formulas that KaTeX cannot set, and whatever a
 browser would fetch from the network.
 

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Runs what a page of the documentation shows: commands, cases, programs.
 
     run_blocks.py PAGE --build BUILD [--python FOLDER] [--compile COMMAND]    run the page's blocks
@@ -104,7 +104,7 @@ class PageRun:
             f"print({NEXT_BLOCK!r})\n{self.blocks[n].marks.get('before', '')}\n{self.blocks[n].text}\n" for n in numbers
         )
         (self.folder / "page.py").write_text(text)
-        parts = self.run("/usr/bin/python3", "page.py").split(NEXT_BLOCK + "\n")[1:]
+        parts = self.run(sys.executable, "page.py").split(NEXT_BLOCK + "\n")[1:]
         self.printed |= dict(zip(numbers, parts))
 
     def cpp(self):

@@ -235,7 +235,9 @@ Page make_page(const Study& study, const StudyResults& results) {
             .status = results.verdict.state(),
             .summary = answer(study, results),
             .warnings = study.warnings};
-  page.warnings.insert(page.warnings.end(), results.warnings.begin(), results.warnings.end());
+  for (const auto& warning : results.warnings)
+    if (std::ranges::none_of(results.verdict.reasons(), [&](const auto& each) { return sentence_of(each) == warning; }))
+      page.warnings.push_back(warning);
   page.sections.push_back(overview_section(study, results));
   if (results.verdict.state() != VerdictState::consistent) page.sections.push_back(verdict_section(results));
   const bool estimated = results.estimation && results.estimation->has_samples();
