@@ -59,7 +59,7 @@ void PrintTo(const Example& example, std::ostream* stream) { *stream << example.
 
 const Example examples[] = {
     {"chain", "chain/chain.yaml --set simulate.duration=4s", ""},
-    {"vehicle", "vehicle/vehicle.yaml --set simulate.duration=3s --set simulate.superelements=true", ""},
+    {"vehicle", "vehicle/vehicle.yaml --set simulate.duration=3s --set simulate.reference=superelement", ""},
     {"halfcar", "halfcar/halfcar.yaml", "halfcar-rig/halfcar_500Hz.h5"},
     {"garteur", "garteur/wing.yaml", "garteur/nodes.csv"},
 };
