@@ -50,6 +50,19 @@ test("a drag zooms all charts over time, a double click shows everything", async
   assertQuiet(page);
 });
 
+test("a chart off the screen is drawn when it comes into sight", async () => {
+  const page = await open(browser, "charts.html", {viewport: {width: 1400, height: 700}});
+  const picture = chart => page.evaluate(id => document.querySelector(`#chart-${id} canvas`).toDataURL(), chart);
+  const before = {near: await picture("mu_c1"), far: await picture("nis")};
+  await drag(page, "mu_k1", 0.25, 0.5);
+  await page.waitForTimeout(100);
+  assert.notEqual(await picture("mu_c1"), before.near);
+  assert.equal(await picture("nis"), before.far);
+  await page.locator("#chart-nis").scrollIntoViewIfNeeded();
+  await page.waitForFunction(old => document.querySelector("#chart-nis canvas").toDataURL() !== old, before.far);
+  assertQuiet(page);
+});
+
 test("without the switch a chart zooms alone", async () => {
   const page = await open(browser, "charts.html");
   await page.uncheck("input[role=switch]");
