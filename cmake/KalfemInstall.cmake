@@ -44,6 +44,9 @@ foreach(library ${every})
 endforeach()
 
 install(TARGETS kalfem_command RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT command)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/apps/kalfem/kalfem.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT command)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/apps/kalfem/kalfem.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/kalfem
+        COMPONENT command)
 configure_package_config_file(cmake/kalfemConfig.cmake.in kalfemConfig.cmake INSTALL_DESTINATION ${package_folder})
 write_basic_package_version_file(kalfemConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/kalfemConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/kalfemConfigVersion.cmake

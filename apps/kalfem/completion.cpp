@@ -6,9 +6,13 @@
 namespace kalfem::command {
 namespace {
 
-std::string options_of(const VerbForCompletion& verb) { return fmt::format("{}", fmt::join(verb.options, " ")); }
+std::string options_of(const VerbUsage& verb) {
+  std::string names;
+  for (const auto& option : verb.options) names += (names.empty() ? "" : " ") + option.name;
+  return names;
+}
 
-std::string bash(const std::vector<VerbForCompletion>& verbs) {
+std::string bash(const std::vector<VerbUsage>& verbs) {
   std::string names, cases;
   for (const auto& verb : verbs) {
     names += (names.empty() ? "" : " ") + verb.name;
@@ -32,25 +36,35 @@ complete -o filenames -F _kalfem kalfem
                      names, cases);
 }
 
-std::string zsh(const std::vector<VerbForCompletion>& verbs) {
+std::string zsh(const std::vector<VerbUsage>& verbs) {
   return "autoload -U +X bashcompinit && bashcompinit\n" + bash(verbs);
 }
 
-std::string fish(const std::vector<VerbForCompletion>& verbs) {
+/// Text that may stand between single quotes.
+std::string without_quotes(std::string text) {
+  std::erase(text, '\'');
+  return text;
+}
+
+std::string fish(const std::vector<VerbUsage>& verbs) {
   std::string text;
   for (const auto& verb : verbs) {
-    text += fmt::format("complete -c kalfem -n __fish_use_subcommand -f -a {} -d '{}'\n", verb.name, verb.meaning);
+    text += fmt::format("complete -c kalfem -n __fish_use_subcommand -f -a {} -d '{}'\n", verb.name,
+                        without_quotes(verb.meaning));
     for (const auto& option : verb.options)
-      text +=
-          fmt::format("complete -c kalfem -n '__fish_seen_subcommand_from {}' -l {}\n", verb.name, option.substr(2));
+      text += fmt::format("complete -c kalfem -n '__fish_seen_subcommand_from {}' -l {} -d '{}'\n", verb.name,
+                          option.name.substr(2), without_quotes(option.meaning));
   }
   return text;
 }
 
 }  // namespace
 
-ExitCode completion(const std::string& shell, const std::vector<VerbForCompletion>& verbs) {
-  print_text(shell == "fish" ? fish(verbs) : shell == "zsh" ? zsh(verbs) : bash(verbs));
+ExitCode completion(const std::string& kind, const std::vector<VerbUsage>& verbs) {
+  if (kind == "man")
+    print_text(manual_page(verbs));
+  else
+    print_text(kind == "fish" ? fish(verbs) : kind == "zsh" ? zsh(verbs) : bash(verbs));
   return done;
 }
 

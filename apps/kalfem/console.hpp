@@ -6,6 +6,7 @@
 
 #include "kalfem/base/interruption.hpp"
 #include "kalfem/base/progress.hpp"
+#include "kalfem/verdict/verdict.hpp"
 
 namespace kalfem::command {
 
@@ -31,11 +32,16 @@ void print_error(fmt::format_string<Values...> format, Values&&... values) {
   print_error_text(fmt::format(format, std::forward<Values>(values)...));
 }
 
+/// A report with tables to stdout; on a terminal the heads of the tables are bold. NO_COLOR switches all styles off.
+void print_report(std::string_view text);
+/// "Verdict: consistent", on a terminal in the colour of the state.
+void print_verdict(VerdictState state);
+
 /// Throws WriteFailure where stdout did not take the text up to here.
 void require_output();
 
-/// A bar on a terminal's stderr while a step runs longer than a second. Without a terminal, `in_lines`: a line on
-/// stdout for each tenth of a step that runs longer than five seconds.
+/// Progress of the whole job, which begins now: a bar on a terminal's stderr once it has run for a second. Without a
+/// terminal, `in_lines`: a line on stdout for each tenth of a job that runs longer than five seconds.
 Progress progress_bar(bool in_lines);
 
 /// From now on SIGINT and SIGTERM ask the command to stop; the second one ends it at once. A signal that the caller has

@@ -16,52 +16,92 @@ namespace {
 
 struct Arguments {
   command::RunArguments run;
-  std::string case_file, page, shell, topic, kind, folder;
+  command::PlotArguments plot;
+  command::DeckModesArguments deck;
+  std::string case_file, resumed, page, shell, topic, kind, folder;
   std::vector<std::string> units, files;
   bool json = false, quiet = false, laws = false;
 };
+
+void add_changes(CLI::App& verb, Arguments& arguments) {
+  verb.add_option("--set", arguments.run.changes,
+                  "KEY=VALUE, in place of the value of the case: --set simulate.duration=4s; several times")
+      ->allow_extra_args(false);
+}
+
+CLI::Option* add_units(CLI::App& verb, Arguments& arguments) {
+  return verb
+      .add_option("--units", arguments.units, "units of a deck: length, mass and time, such as mm t s; default: SI")
+      ->expected(3);
+}
 
 CLI::App* add_run_verb(CLI::App& app, const char* verb, const char* meaning, Arguments& arguments) {
   auto* command = app.add_subcommand(verb, meaning);
   command->add_option("case", arguments.run.case_file, "case file (YAML)")->required();
   command->add_option("--out", arguments.run.folder, "folder for the results; default: <case>.kalfem-out");
-  command
-      ->add_option("--set", arguments.run.changes,
-                   "KEY=VALUE, in place of the value of the case: --set simulate.duration=4s; several times")
-      ->allow_extra_args(false);
+  add_changes(*command, arguments);
   command->add_flag("--strict", arguments.run.strict, "exit with 3 where the results are suspicious, too");
+  auto* verbose = command->add_flag("--verbose", arguments.run.verbose,
+                                    "tell also which filters were tried and where the time went");
   auto* quiet = command->add_flag("--quiet", arguments.quiet, "print the verdict only, beside warnings and errors");
-  command->add_flag("--json", arguments.json, "print summary.json in place of the report")->excludes(quiet);
+  command->add_flag("--json", arguments.json, "print summary.json in place of the report")
+      ->excludes(quiet)
+      ->excludes(verbose);
+  quiet->excludes(verbose);
   return command;
 }
 
-std::vector<command::VerbForCompletion> verbs_of(const CLI::App& app) {
-  std::vector<command::VerbForCompletion> verbs;
+std::vector<command::VerbUsage> verbs_of(const CLI::App& app) {
+  std::vector<command::VerbUsage> verbs;
   for (const auto* verb : app.get_subcommands(nullptr)) {
-    verbs.push_back({verb->get_name(), verb->get_description(), {}});
-    for (const auto* option : verb->get_options())
-      for (const auto& name : option->get_lnames()) verbs.back().options.push_back("--" + name);
+    auto& usage = verbs.emplace_back(command::VerbUsage{verb->get_name(), verb->get_description(), {}, {}});
+    for (const auto* option : verb->get_options()) {
+      const std::string value = option->get_type_size() == 0 ? "" : option->get_type_name();
+      if (option->get_positional())
+        usage.arguments.push_back({option->get_name(true), value, option->get_description()});
+      for (const auto& name : option->get_lnames())
+        usage.options.push_back({"--" + name, value, option->get_description()});
+    }
   }
   return verbs;
+}
+
+command::ExitCode modes_of_deck(Arguments& arguments) {
+  if (!arguments.run.changes.empty())
+    throw InvalidInput("--set: a deck has no keys to change", "only a case has", "write a case that names the deck");
+  auto& deck = arguments.deck;
+  deck.file = arguments.run.case_file;
+  deck.units = arguments.units;
+  deck.folder = arguments.run.folder;
+  deck.as_json = arguments.json;
+  return command::modes_of_deck(deck);
 }
 
 command::ExitCode execute(const CLI::App& app, Arguments& arguments) {
   if (app.got_subcommand("check"))
     return is_deck(arguments.case_file) ? command::check_deck(arguments.case_file, arguments.units, arguments.page)
-                                        : command::check(arguments.case_file, arguments.page);
+                                        : command::check(arguments.case_file, arguments.run.changes, arguments.page);
   if (app.got_subcommand("inspect")) return command::inspect(arguments.files, arguments.json, arguments.page);
   if (app.got_subcommand("new")) return command::new_case(arguments.kind, arguments.folder);
   if (app.got_subcommand("completion")) return command::completion(arguments.shell, verbs_of(app));
   if (app.got_subcommand("schema")) return command::schema(arguments.json, arguments.laws, arguments.topic);
+  if (app.got_subcommand("report")) return command::report(arguments.folder, arguments.json);
+  if (app.got_subcommand("compare")) return command::compare(arguments.files, arguments.json, arguments.page);
+  if (app.got_subcommand("plot")) return command::plot(arguments.plot);
+  if (app.got_subcommand("modes") && is_deck(arguments.run.case_file)) return modes_of_deck(arguments);
   if (arguments.json) arguments.run.told = command::Told::json;
   if (arguments.quiet) arguments.run.told = command::Told::verdict;
+  if (!arguments.resumed.empty()) return command::resume(arguments.resumed, arguments.run);
+  if (arguments.run.case_file.empty())
+    throw InvalidInput("no case is given", "", "name a case file, or an interrupted run: kalfem run --resume DIR");
   for (const auto& [verb, step] : {std::pair{"modes", Step::modes},
                                    {"simulate", Step::simulate},
                                    {"estimate", Step::estimate},
                                    {"predict", Step::predict},
                                    {"update", Step::update},
                                    {"infer", Step::infer},
-                                   {"place", Step::place}})
+                                   {"place", Step::place},
+                                   {"static", Step::statics}})
     if (app.got_subcommand(verb)) return command::run(arguments.run, step);
   return command::run(arguments.run, Step::everything);
 }
@@ -109,8 +149,16 @@ command::ExitCode told(const CLI::App& app, const CLI::ParseError& error, const 
 void add_verbs(CLI::App& app, Arguments& arguments) {
   app.set_version_flag("--version", version);
   app.require_subcommand(1);
-  add_run_verb(app, "run", "run everything the case asks for", arguments);
-  add_run_verb(app, "modes", "compute the natural modes of every substructure, full and reduced", arguments);
+  auto* run = add_run_verb(app, "run", "run everything the case asks for", arguments);
+  run->get_option("case")->required(false);
+  auto* resume = run->add_option("--resume", arguments.resumed,
+                                 "go on with the interrupted run of this folder, in place of a case");
+  for (const char* other : {"case", "--out", "--set"}) resume->excludes(run->get_option(other));
+  auto* modes =
+      add_run_verb(app, "modes", "compute the natural modes of every substructure, or of a deck alone", arguments);
+  add_units(*modes, arguments);
+  modes->add_option("--modes", arguments.deck.count, "how many modes of a deck; default: 20")
+      ->check(CLI::Range(1, 10000));
   add_run_verb(app, "simulate", "simulate the structure and make its record", arguments);
   add_run_verb(app, "estimate", "estimate the states and the unknown parameters, running the steps this needs",
                arguments);
@@ -120,11 +168,28 @@ void add_verbs(CLI::App& app, Arguments& arguments) {
                arguments);
   add_run_verb(app, "infer", "what the data tell of the unknowns: posterior, evidence, which law", arguments);
   add_run_verb(app, "place", "where to put sensors", arguments);
+  add_run_verb(app, "static", "displacements, reactions and stresses under static loads", arguments);
   auto* check = app.add_subcommand("check", "validate and explain a case file or a deck without running it");
   check->add_option("case", arguments.case_file, "case file (YAML) or deck (.inp, .bdf, .dat, .nas)")->required();
+  add_changes(*check, arguments);
   check->add_option("--page", arguments.page, "write the model check to this HTML file, with a picture of the mesh");
-  check->add_option("--units", arguments.units, "units of a deck: length, mass and time, such as mm t s; default: SI")
-      ->expected(3);
+  add_units(*check, arguments);
+  auto* report = app.add_subcommand("report", "print again what a finished run printed");
+  report->add_option("folder", arguments.folder, "folder of the results")->required();
+  report->add_flag("--json", arguments.json, "print summary.json in place of the report");
+  auto* compare = app.add_subcommand("compare", "compare finished runs: parameters, errors, verdicts, times");
+  compare->add_option("folders", arguments.files, "folders of the results; the first is what the others differ from")
+      ->required();
+  compare->add_flag("--json", arguments.json, "as JSON");
+  compare->add_option("--page", arguments.page, "write an HTML page with the courses of the parameters to this file");
+  auto* plot = app.add_subcommand("plot", "draw the figures of a finished run for print");
+  plot->add_option("folder", arguments.plot.folder, "folder of the results")->required();
+  plot->add_option("--out", arguments.plot.output, "folder for the figures; default: figures in that of the results");
+  plot->add_option("--format", arguments.plot.format, "svg or png; default: svg")->check(CLI::IsMember({"svg", "png"}));
+  plot->add_option("--width", arguments.plot.width, "in cm: 8.5 for one column, 17 for two; default: 8.5")
+      ->check(CLI::Range(4.0, 60.0));
+  plot->add_option("--point", arguments.plot.points, "draw the motion of this point; several times")
+      ->allow_extra_args(false);
   auto* inspect = app.add_subcommand("inspect", "tell what measured files hold, and what is odd about their channels");
   inspect->add_option("files", arguments.files, "measured files")->required();
   inspect->add_flag("--json", arguments.json, "as JSON, an array of one object a file");
@@ -138,10 +203,10 @@ void add_verbs(CLI::App& app, Arguments& arguments) {
       ->required()
       ->check(CLI::IsMember(command::starter_kinds()));
   new_case->add_option("folder", arguments.folder, "where to write it")->required();
-  app.add_subcommand("completion", "print what a shell needs to complete verbs and options")
-      ->add_option("shell", arguments.shell, "bash, zsh or fish")
+  app.add_subcommand("completion", "print what a shell needs to complete verbs and options, or the manual page")
+      ->add_option("shell", arguments.shell, "bash, zsh or fish; man")
       ->required()
-      ->check(CLI::IsMember({"bash", "zsh", "fish"}));
+      ->check(CLI::IsMember({"bash", "zsh", "fish", "man"}));
 }
 
 int parse_and_execute(int argc, char** argv) {

@@ -1,12 +1,16 @@
 #include <filesystem>
+#include <optional>
 
 #include "console.hpp"
 #include "kalfem/base/output_folder.hpp"
 #include "kalfem/pipeline/likelihood_checkpoint.hpp"
+#include "kalfem/pipeline/simulation_checkpoint.hpp"
 #include "kalfem/pipeline/updating_checkpoint.hpp"
 #include "kalfem/report/result_set.hpp"
+#include "kalfem/report/run_details.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/report/updating_tables.hpp"
+#include "resume_note.hpp"
 #include "verbs.hpp"
 
 namespace kalfem::command {
@@ -16,23 +20,6 @@ namespace fs = std::filesystem;
 
 fs::path output_folder(const std::string& case_file, const std::string& asked) {
   return asked.empty() ? fs::path(case_file).replace_extension(".kalfem-out") : fs::path(asked);
-}
-
-std::vector<CaseChange> changes_of(const std::vector<std::string>& texts) {
-  std::vector<CaseChange> changes;
-  IssueList issues;
-  for (const auto& text : texts) {
-    const auto equals = text.find('=');
-    if (equals == std::string::npos || equals == 0)
-      issues.add({}, "--set " + text + ": it is no KEY=VALUE", "",
-                 "write for example --set simulate.duration=4s, or KEY= to remove a key");
-    else if (equals + 1 == text.size())
-      changes.push_back({text.substr(0, equals), std::nullopt});
-    else
-      changes.push_back({text.substr(0, equals), text.substr(equals + 1)});
-  }
-  issues.raise();
-  return changes;
 }
 
 /// A verb that asks for one step needs its section.
@@ -50,6 +37,7 @@ void require_section(const Study& study, Step asked) {
   if (asked == Step::update) require(study.updating.has_value(), "update");
   if (asked == Step::infer) require(study.inference.has_value(), "infer");
   if (asked == Step::place) require(study.placement.has_value(), "place");
+  if (asked == Step::statics) require(study.statics.has_value(), "static");
 }
 
 /// Every reason for the verdict, worst first.
@@ -61,44 +49,76 @@ void print_reasons(const StudyResults& results) {
   for (const auto& warning : results.warnings) print_error("warning: {}\n", warning);
 }
 
-/// How the same command goes on after it was stopped.
-std::string way_on(const fs::path& folder) {
-  for (const char* checkpoint : {checkpoint_name, likelihoods_name})
-    if (fs::exists(folder / checkpoint))
-      return "the same command goes on from " + (folder / checkpoint).string() + ", with the same result";
-  return "the same command begins again";
+/// The checkpoint from which a run can go on; nothing if it would begin again.
+std::optional<fs::path> checkpoint_in(const fs::path& folder) {
+  for (const char* name : {checkpoint_name, likelihoods_name, simulation_name})
+    if (fs::exists(folder / name)) return folder / name;
+  return std::nullopt;
 }
+
+/// How the run goes on after it was stopped.
+std::string way_on(const fs::path& folder) {
+  const auto checkpoint = checkpoint_in(folder);
+  if (!checkpoint) return "the same command begins again";
+  return "the same command, or kalfem run --resume " + folder.string() + ", goes on from " + checkpoint->string() +
+         ", with the same result";
+}
+
+/// Progress of a whole job, of which reductions of finite elements come first if there are any.
+class RunProgress {
+public:
+  explicit RunProgress(bool in_lines) : whole_(progress_bar(in_lines)) {}
+
+  Progress of_loading() {
+    return [this, part = part_of(whole_, 0.0, loading_share)](std::string_view words, double fraction) {
+      reduces_ = true;
+      if (part) part(words, fraction);
+    };
+  }
+  [[nodiscard]] Progress of_running() const { return part_of(whole_, reduces_ ? loading_share : 0.0, 1.0); }
+
+private:
+  static constexpr double loading_share = 0.2;
+  Progress whole_;
+  bool reduces_ = false;
+};
 
 class Run {
 public:
-  /// The output folder is taken, and the standard output tried, before anything is computed.
-  Run(const RunArguments& arguments, Step last)
+  /// The output folder is taken, and the standard output tried, before anything is computed. `noted`: the run that is
+  /// resumed, if one is.
+  Run(const RunArguments& arguments, Step last, const NotedRun* noted = nullptr)
       : arguments_(arguments),
+        progress_(arguments.told == Told::report),
         folder_(output_folder(arguments.case_file, arguments.folder)),
-        study_(load_study(arguments.case_file, changes_of(arguments.changes))) {
+        study_(load_study(arguments.case_file, changes_of(arguments.changes), progress_.of_loading())) {
+    if (noted) noted->require_same_case(study_.resolved_case);
     require_section(study_, last);
     require_result_places(folder_.path(), study_);
     tell("{}\n\n", study_.title.empty() ? fs::path(study_.file).filename().string() : study_.title);
     for (const auto& warning : study_.warnings) print_error("warning: {}\n", warning);
     require_output();
+    note_.emplace(folder_.path(), arguments, last, study_.resolved_case);
     results_ = run_study(
         study_, last,
-        {.progress = progress_bar(arguments.told == Told::report),
+        {.progress = progress_.of_running(),
          .folder = folder_.path(),
          .on_updating_step = [&](int number,
                                  const UpdatingStep& step) { tell("{}", console_updating_step(study_, number, step)); },
          .keep_finished = true});
+    if (results_.interrupted && checkpoint_in(folder_.path())) note_->stay();
   }
 
   ExitCode write_and_tell() {
     if (results_.interrupted && !results_.simulation && !results_.updating && !results_.estimation) throw Interrupted();
     const ResultSet set = write_result_set(folder_, study_, results_, watch_);
-    tell("{}", console_report(study_, results_));
+    if (arguments_.told == Told::report) print_report(console_report(study_, results_));
+    if (arguments_.verbose) print_report(console_details(study_, results_));
     tell_files(set);
     if (arguments_.told == Told::json)
       print_text(set.summary);
     else
-      print("Verdict: {}\n", to_string(results_.verdict.state()));
+      print_verdict(results_.verdict.state());
     print_reasons(results_);
     require_output();
     if (results_.interrupted) {
@@ -125,13 +145,40 @@ private:
 
   const RunArguments& arguments_;
   Stopwatch watch_;
+  RunProgress progress_;
   OutputFolder folder_;
   Study study_;
+  std::optional<ResumeNote> note_;  ///< goes before the folder does
   StudyResults results_;
 };
 
 }  // namespace
 
+std::vector<CaseChange> changes_of(const std::vector<std::string>& texts) {
+  std::vector<CaseChange> changes;
+  IssueList issues;
+  for (const auto& text : texts) {
+    const auto equals = text.find('=');
+    if (equals == std::string::npos || equals == 0)
+      issues.add({}, "--set " + text + ": it is no KEY=VALUE", "",
+                 "write for example --set simulate.duration=4s, or KEY= to remove a key");
+    else if (equals + 1 == text.size())
+      changes.push_back({text.substr(0, equals), std::nullopt});
+    else
+      changes.push_back({text.substr(0, equals), text.substr(equals + 1)});
+  }
+  issues.raise();
+  return changes;
+}
+
 ExitCode run(const RunArguments& arguments, Step last) { return Run(arguments, last).write_and_tell(); }
+
+ExitCode resume(const std::string& folder, const RunArguments& arguments) {
+  NotedRun noted = read_resume_note(folder);
+  noted.arguments.told = arguments.told;
+  noted.arguments.verbose = arguments.verbose;
+  noted.arguments.strict = noted.arguments.strict || arguments.strict;
+  return Run(noted.arguments, noted.last, &noted).write_and_tell();
+}
 
 }  // namespace kalfem::command

@@ -1,5 +1,3 @@
-#include "kalfem/yaml/json_schema.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,9 @@
 #include "kalfem/report/tables.hpp"
 #include "kalfem/system/laws/expression_tape.hpp"
 #include "kalfem/system/laws/law_library.hpp"
+#include "kalfem/yaml/editor_schema.hpp"
+#include "kalfem/yaml/json_schema.hpp"
+#include "law_schema.hpp"
 #include "verbs.hpp"
 
 namespace kalfem::command {
@@ -53,7 +54,11 @@ nlohmann::ordered_json whole_document() {
 
 }  // namespace
 
-std::string case_file_schema() { return whole_document().dump(2) + "\n"; }
+std::string case_file_schema() {
+  nlohmann::ordered_json schema = editor_schema(whole_document());
+  add_laws(schema);
+  return schema.dump(2) + "\n";
+}
 
 ExitCode schema(bool as_json, bool laws, const std::string& topic) {
   if (laws)

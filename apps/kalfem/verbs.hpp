@@ -19,17 +19,50 @@ struct RunArguments {
   std::string folder;                ///< of the results; empty: <case>.kalfem-out beside the case
   std::vector<std::string> changes;  ///< KEY=VALUE
   Told told = Told::report;
-  bool strict = false;  ///< suspicious results are not usable
+  bool verbose = false;  ///< the report also says how the filter was chosen and where the time went
+  bool strict = false;   ///< suspicious results are not usable
 };
 
 /// run (everything), simulate, estimate, predict, update, infer, place: the steps up to `last`. A case without the
 /// section of the step is an error. Asked to stop (stop_question()), it writes what is finished.
 ExitCode run(const RunArguments& arguments, Step last);
+/// run --resume: goes on with the interrupted run of a folder, with its verb, case and changes. Of the arguments, only
+/// how it is told counts, and whether it is strict.
+ExitCode resume(const std::string& folder, const RunArguments& arguments);
+/// report: what a finished run printed, from its folder, with its exit code; or its summary.json.
+ExitCode report(const std::string& folder, bool as_json);
+/// compare: finished runs side by side, as tables, JSON or a page.
+ExitCode compare(const std::vector<std::string>& folders, bool as_json, const std::string& page_file);
+
+struct PlotArguments {
+  std::string folder;  ///< of a finished run
+  std::string output;  ///< folder of the figures; empty: `figures` in that of the run
+  std::string format = "svg";
+  double width = 8.5;               ///< [cm]
+  std::vector<std::string> points;  ///< whose motion is drawn; empty: the two first ones that move
+};
+/// plot: figures of a finished run for print, a file each.
+ExitCode plot(const PlotArguments& arguments);
+
+/// KEY=VALUE, or KEY= to remove a key. Throws InvalidInput with every text that is neither.
+std::vector<CaseChange> changes_of(const std::vector<std::string>& texts);
+
 /// check: validate and explain, run nothing. With a page file, the model check of the substructures goes there too.
-ExitCode check(const std::string& case_file, const std::string& page_file);
+ExitCode check(const std::string& case_file, const std::vector<std::string>& changes, const std::string& page_file);
 /// check of a deck alone: its contents, the cards that kalfem ignores, and the model check. `units`: none (SI) or
 /// length, mass and time.
 ExitCode check_deck(const std::string& file, const std::vector<std::string>& units, const std::string& page_file);
+
+struct DeckModesArguments {
+  std::string file;
+  std::vector<std::string> units;  ///< none (SI), or length, mass and time
+  std::string folder;              ///< of the shapes; empty: they are not written
+  int count = 20;
+  bool as_json = false;
+};
+/// modes of a deck alone, at full order: a table, and the shapes for ParaView.
+ExitCode modes_of_deck(const DeckModesArguments& arguments);
+
 /// inspect: what measured files hold and what is odd about their channels, as text, JSON (one array) or a page.
 ExitCode inspect(const std::vector<std::string>& files, bool as_json, const std::string& page_file);
 /// schema: the case-file reference as text, all or one section; or as JSON Schema; or the connector laws.
@@ -40,13 +73,21 @@ std::string case_file_schema();
 ExitCode new_case(const std::string& kind, const std::filesystem::path& folder);
 std::vector<std::string> starter_kinds();
 
-/// A verb with what a shell completes after it.
-struct VerbForCompletion {
+/// An option or an argument, as the help of a verb states it.
+struct OptionUsage {
+  std::string name;   ///< "--out"; of an argument, "case"
+  std::string value;  ///< what it takes, "TEXT"; empty for a flag
+  std::string meaning;
+};
+/// A verb as its help states it.
+struct VerbUsage {
   std::string name, meaning;
-  std::vector<std::string> options;  ///< "--out"
+  std::vector<OptionUsage> arguments, options;
 };
 
-/// completion: the script that bash, zsh or fish reads.
-ExitCode completion(const std::string& shell, const std::vector<VerbForCompletion>& verbs);
+/// completion: the script that bash, zsh or fish reads, or the manual page.
+ExitCode completion(const std::string& kind, const std::vector<VerbUsage>& verbs);
+/// The manual page, in the language of man(7).
+std::string manual_page(const std::vector<VerbUsage>& verbs);
 
 }  // namespace kalfem::command

@@ -402,6 +402,16 @@ substructures:
       nodes: {c: corner, f: far, m: [0.5, 0.4, 0]}
       links: {rigid: {master: f, nodes: m, directions: [x, y, z, rx, ry, rz]}}
       fixed: {clamp: {nodes: edge}}
+    preload: push
+static:
+  substructure: plate
+  cases:
+    push:
+      forces: [{at: f, force: [0 N, 0 N, 10 N], moment: [0 N m, 1 N m, 0 N m]}]
+      pressures: [{on: plate, pressure: 1 kPa}]
+      gravity: [0 m/s^2, 0 m/s^2, -9.81 m/s^2]
+    lift: {displacements: {f.z: 1 mm}}
+  points: [f, m]
 )";
 
 const std::string sections = R"(kalfem: 1

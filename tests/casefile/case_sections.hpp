@@ -47,5 +47,6 @@ KeyChecks updating_keys();
 KeyChecks inference_keys();
 KeyChecks report_keys();
 KeyChecks placement_keys();
+KeyChecks static_keys();
 
 }  // namespace kalfem::wiring

@@ -26,6 +26,15 @@ TEST(DisplayUnit, BringsValuesBetweenOneAndAThousand) {
   EXPECT_EQ(DisplayUnit("N", {0.0, none}).unit(), "N");
 }
 
+TEST(DisplayUnit, KeepsTheUnitOfTheUser) {
+  const DisplayUnit millimetres("N/m", {2.1e8}, "N/mm");
+  EXPECT_EQ(millimetres.unit(), "N/mm");
+  EXPECT_EQ(millimetres.value(2.1e8, 5e5), "210000");
+  EXPECT_EQ(DisplayUnit("m", {1e-3}, "in").value(0.0254), "1");
+  const DisplayUnit too_large("N/m^3", {1.2e7}, "N/m^3");
+  EXPECT_EQ(too_large.value(1.2e7, 6e4) + " " + too_large.unit(), "12.000 MN/m^3");
+}
+
 TEST(DisplayUnit, ShowsTwoDigitsOfTheDeviation) {
   const DisplayUnit newton("N/m", {17984.0}), pascal("Pa", {2.1e11}), none_of_it("kg", {12345.0});
   EXPECT_EQ(newton.value(17984.3, 31.2), "17.984");

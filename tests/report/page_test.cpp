@@ -13,7 +13,7 @@
 namespace kalfem {
 namespace {
 
-Page page_of(std::variant<Chart, Table, Picture, Scene> item) {
+Page page_of(std::variant<Chart, Table, Picture, Listing, Scene> item) {
   return {.title = "t", .sections = {{.heading = "h", .items = {item}}}};
 }
 

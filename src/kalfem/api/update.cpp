@@ -133,7 +133,7 @@ UpdateResult update(const Structure& structure, const UpdateOptions& options) {
       minimise(residual, parameters, {.search = {.max_evaluations = options.max_evaluations, .cost_floor = 1e-6}});
 
   UpdateResult result{.converged = outcome.usable(), .reason = outcome.reason()};
-  const auto before = residual.compare(start), after = residual.compare(outcome.parameters);
+  const auto before = residual.compare(start).pairs, after = residual.compare(outcome.parameters).pairs;
   for (std::size_t i = 0; i < before.size(); ++i)
     result.frequencies.push_back({before[i].measured_frequency, before[i].model_frequency, after[i].model_frequency});
   for (std::size_t i = 0; i < parameters.size(); ++i) {

@@ -350,10 +350,13 @@ Schema<Case> case_schema() {
           .optional("infer", &Case::infer, located(inference()),
                     "what the data tell of the unknowns: posterior, evidence, laws compared (`kalfem infer`)")
           .optional("place", &Case::place, located(placement()), "where to put sensors (`kalfem place`)")
+          .optional("static", &Case::statics, located(statics()),
+                    "static load cases of a finite-element substructure (`kalfem static`)")
           .optional("report", &Case::report, mapping(report), "contents of the report"));
   const auto read = [=](const CaseNode& node, Case& given) {
-    given.source = {node.location().file, node.shared_yaml()};
-    return all.read(node, given);
+    const bool is_usable = all.read(node, given);
+    given.source = {node.location().file, node.shared_yaml(), node.files()};
+    return is_usable;
   };
   return make_schema<Case>(
       read, [=](const Case& given) { return all.write(given); }, all.json_schema());

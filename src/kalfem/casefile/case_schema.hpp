@@ -20,5 +20,6 @@ Schema<Updating> updating();
 Schema<Modification> modification();
 Schema<Inference> inference();
 Schema<Placement> placement();
+Schema<Statics> statics();
 
 }  // namespace kalfem::description

@@ -10,6 +10,7 @@
 #include "kalfem/casefile/connector_description.hpp"
 #include "kalfem/casefile/finite_element_description.hpp"
 #include "kalfem/casefile/inference_description.hpp"
+#include "kalfem/casefile/static_description.hpp"
 #include "kalfem/casefile/update_description.hpp"
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/formats/matrices.hpp"
@@ -50,6 +51,7 @@ struct GlobalModalDamping {
 struct Substructure {
   std::optional<FiniteElements> finite_elements;
   std::optional<Located<Reduction>> reduction;
+  std::optional<Name> preload;  ///< load case of `static`
   Named<Named<double>> masses;  ///< node -> direction -> mass; a node with one mass has the direction ""
   std::optional<Chain> chain;
   std::vector<Spring> springs;
@@ -236,6 +238,7 @@ struct Case {
   Named<Located<Modification>> modifications;
   std::optional<Located<Inference>> infer;
   std::optional<Located<Placement>> place;
+  std::optional<Located<Statics>> statics;
   Report report;
   CaseSource source;  ///< places of its keys
 };

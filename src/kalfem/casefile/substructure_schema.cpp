@@ -69,7 +69,10 @@ Schema<Substructure> substructure() {
                     "named weighted sums of degrees of freedom: LH: {heave: 1, pitch: -0.75}")
           .optional("damping", &Substructure::damping, mapping(damping), "damping in addition to the dashpots")
           .optional("reduction", &Substructure::reduction, located(reduction()),
-                    "reduction of the finite-element model inside the filter's model"));
+                    "reduction of the finite-element model inside the filter's model")
+          .optional("preload", &Substructure::preload, name(),
+                    "load case of `static` whose stresses the finite elements carry: tension makes them stiffer, "
+                    "compression softer"));
 }
 
 }  // namespace kalfem::description

@@ -112,14 +112,16 @@ void check(const ConvergenceOptions& options) {
 class Simulations {
 public:
   Simulations(const LocallyNonlinearSystem& system, const std::vector<SignalPtr>& signals, const InitialState& initial,
-              SimulationOptions options, double sample_rate)
+              SimulationOptions options, const ConvergenceOptions& convergence)
       : system_(system),
         signals_(signals),
         initial_(initial),
         options_(std::move(options)),
-        sample_rate_(sample_rate) {}
+        convergence_(convergence) {}
 
-  [[nodiscard]] double step(Index substeps) const { return 1.0 / (sample_rate_ * static_cast<double>(substeps)); }
+  [[nodiscard]] double step(Index substeps) const {
+    return 1.0 / (convergence_.sample_rate * static_cast<double>(substeps));
+  }
 
   /// Those with `first`, 2 `first` and 4 `first` steps a sample, the last in a thread of its own.
   void make_ahead(Index first) {
@@ -131,7 +133,7 @@ public:
       const StopScope scope(asked);
       try {
         for (const Index substeps : shares[thread])
-          ahead_.at(substeps) = simulated(substeps, thread == 0 ? options_.progress : Progress{});
+          ahead_.at(substeps) = simulated(substeps, thread == 0 ? progress_of(substeps) : Progress{});
       } catch (...) {
         thrown[thread] = std::current_exception();
       }
@@ -142,10 +144,34 @@ public:
 
   SimulationResult take(Index substeps) {
     const auto made = ahead_.extract(substeps);
-    return made ? std::move(made.mapped()) : simulated(substeps, options_.progress);
+    return made ? std::move(made.mapped()) : simulated(substeps, progress_of(substeps));
   }
 
 private:
+  /// Of all solutions while the one with so many substeps is made, which takes as long as all coarser ones together.
+  /// How many will be needed is not known: most often `expected`; each further one takes half of what is left.
+  [[nodiscard]] Progress progress_of(Index substeps) const {
+    if (!options_.progress || !convergence_.refine) return options_.progress;
+    constexpr int expected = 4;
+    constexpr double up_to_expected = 0.9;
+    const auto number = [&](Index steps) {
+      int halvings = 1;
+      for (Index k = convergence_.first_substeps; 2 * k <= steps; k *= 2) ++halvings;
+      return halvings;
+    };
+    const auto done_after = [](int solutions) {
+      return solutions <= expected
+                 ? up_to_expected * (std::ldexp(1.0, solutions) - 1.0) / (std::ldexp(1.0, expected) - 1.0)
+                 : 1.0 - (1.0 - up_to_expected) * std::ldexp(1.0, expected - solutions);
+    };
+    const int current = number(substeps);
+    return [whole = part_of(options_.progress, done_after(current - 1), done_after(current)),
+            words = "reference " + std::to_string(current) + " of at most " +
+                    std::to_string(number(convergence_.max_substeps))](std::string_view, double fraction) {
+      whole(words, fraction);
+    };
+  }
+
   [[nodiscard]] SimulationResult simulated(Index substeps, const Progress& progress) const {
     SimulationOptions options = options_;
     options.step = step(substeps);
@@ -158,7 +184,7 @@ private:
   const std::vector<SignalPtr>& signals_;
   const InitialState& initial_;
   SimulationOptions options_;
-  double sample_rate_;
+  const ConvergenceOptions& convergence_;
   std::map<Index, SimulationResult> ahead_;
 };
 
@@ -181,7 +207,7 @@ ConvergedSolution simulate_converged(const LocallyNonlinearSystem& system, const
   simulation.every_step = sensors;
   const bool ahead = options.refine && options.threads > 1 && !simulation.snapshot && sensors.size() > 0 &&
                      4 * options.first_substeps <= options.max_substeps;
-  Simulations simulations(system, signals, initial, std::move(simulation), options.sample_rate);
+  Simulations simulations(system, signals, initial, std::move(simulation), options);
   if (ahead) simulations.make_ahead(options.first_substeps);
   for (Index substeps = options.first_substeps; substeps <= options.max_substeps; substeps *= 2) {
     reference = {.simulation = simulations.take(substeps), .substeps = substeps, .last_change = 1.0};

@@ -62,23 +62,30 @@ private:
   std::string xml_, bytes_;
 };
 
-void check(const Mesh& mesh, const std::vector<NodalField>& fields) {
-  IssueList issues;
-  std::set<std::string> names{"node"};
+/// Names and sizes of the fields over the `count` nodes or cells (`what`), which have arrays of these names already.
+template <class Field>
+void check(const std::vector<Field>& fields, Eigen::Index count, const std::string& what, std::set<std::string> names,
+           IssueList& issues) {
   for (const auto& field : fields) {
     if (field.name.empty()) issues.add({}, "a field has no name", "ParaView needs names for fields", "name it");
     if (!names.insert(field.name).second)
-      issues.add({}, "the field '" + field.name + "' is given twice or has the name of the node numbers",
+      issues.add({}, "the field '" + field.name + "' is given twice or has the name of the numbers of " + what + "s",
                  "names must differ", "rename it");
-    if (field.values.cols() != mesh.node_count() || field.values.rows() < 1)
+    if (field.values.cols() != count || field.values.rows() < 1)
       issues.add(
           {},
           "the field '" + field.name + "' is of size " + std::to_string(field.values.rows()) + " x " +
               std::to_string(field.values.cols()),
-          "it needs one column for each of the " + std::to_string(mesh.node_count()) + " nodes, and at least one row",
-          "give a matrix of components x nodes");
+          "it needs one column for each of the " + std::to_string(count) + " " + what + "s, and at least one row",
+          "give a matrix of components x " + what + "s");
   }
-  issues.raise();
+}
+
+template <class Field>
+void add_fields(VtkDocument& document, const std::vector<Field>& fields) {
+  for (const auto& field : fields)
+    document.add_array<double>(field.name, static_cast<std::size_t>(field.values.rows()),
+                               {field.values.data(), static_cast<std::size_t>(field.values.size())});
 }
 
 /// Names as VTK writes strings in ASCII: the codes of their characters, each name closed by a zero.
@@ -97,9 +104,7 @@ void add_region_names(VtkDocument& document, const Mesh& mesh) {
 void add_nodes(VtkDocument& document, const Mesh& mesh, const std::vector<NodalField>& fields) {
   document.add("<PointData>\n");
   document.add_array<std::int64_t>("node", 1, mesh.node_ids);
-  for (const auto& field : fields)
-    document.add_array<double>(field.name, static_cast<std::size_t>(field.values.rows()),
-                               {field.values.data(), static_cast<std::size_t>(field.values.size())});
+  add_fields(document, fields);
   document.add("</PointData>\n<Points>\n");
   document.add_array<double>("points", 3, {mesh.nodes.data(), static_cast<std::size_t>(mesh.nodes.size())});
   document.add("</Points>\n");
@@ -134,7 +139,6 @@ void add_cell_regions(VtkDocument& document, const Mesh& mesh) {
     ++position;
   }
   document.add_array<std::int32_t>("region", 1, region_of);
-  document.add("</CellData>\n");
 }
 
 std::string shortest(double value) {
@@ -147,8 +151,12 @@ std::string shortest(double value) {
 // Writes the parts in the order of the VTK XML schema: field data, then one piece with point data, points, cells and
 // cell data. Arrays are stored raw behind the XML (appended data), so no digits are lost and the file is read at
 // once.
-void write_vtu(const std::filesystem::path& file, const Mesh& mesh, const std::vector<NodalField>& fields) {
-  check(mesh, fields);
+void write_vtu(const std::filesystem::path& file, const Mesh& mesh, const std::vector<NodalField>& fields,
+               const std::vector<CellField>& cell_fields) {
+  IssueList issues;
+  check(fields, mesh.node_count(), "node", {"node"}, issues);
+  check(cell_fields, static_cast<Eigen::Index>(mesh.cells.size()), "cell", {"cell", "region"}, issues);
+  issues.raise();
   VtkDocument document;
   add_region_names(document, mesh);
   document.add("<Piece NumberOfPoints=\"" + std::to_string(mesh.node_count()) + "\" NumberOfCells=\"" +
@@ -156,7 +164,8 @@ void write_vtu(const std::filesystem::path& file, const Mesh& mesh, const std::v
   add_nodes(document, mesh, fields);
   add_cells(document, mesh);
   add_cell_regions(document, mesh);
-  document.add("</Piece>\n");
+  add_fields(document, cell_fields);
+  document.add("</CellData>\n</Piece>\n");
   write_file_atomically(file, document.text());
 }
 

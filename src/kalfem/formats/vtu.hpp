@@ -14,13 +14,20 @@ struct NodalField {
   Eigen::MatrixXd values;  ///< components x nodes
 };
 
-/// Writes a mesh and fields over its nodes as a VTK unstructured grid (.vtu, numbers as raw bytes behind the XML),
-/// which ParaView reads. The arrays "node" and "cell" hold the numbers of the mesh's file, "region" of a cell the
+/// A field over the cells of a mesh: a stress, a strain. Order of tensors: xx yy zz xy yz xz.
+struct CellField {
+  std::string name;
+  Eigen::MatrixXd values;  ///< components x cells
+};
+
+/// Writes a mesh and fields over its nodes and cells as a VTK unstructured grid (.vtu, numbers as raw bytes behind the
+/// XML), which ParaView reads. The arrays "node" and "cell" hold the numbers of the mesh's file, "region" of a cell the
 /// position of its region in the alphabetical list "regions" among the field data, -1 for a cell of none; a cell of
 /// several regions counts to the first. Throws InvalidInput when a field does not fit the mesh, when names are empty or
 /// double, or when the file cannot be written. The format is described in "VTK File Formats" of the VTK user's guide
 /// [SML06].
-void write_vtu(const std::filesystem::path& file, const Mesh& mesh, const std::vector<NodalField>& fields);
+void write_vtu(const std::filesystem::path& file, const Mesh& mesh, const std::vector<NodalField>& fields,
+               const std::vector<CellField>& cell_fields = {});
 
 /// One moment of a series.
 struct SeriesEntry {

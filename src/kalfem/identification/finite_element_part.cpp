@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/linalg/sparse_factor.hpp"
 #include "kalfem/model/assembly/rigid_body.hpp"
 #include "kalfem/model/mesh/connectivity.hpp"
 #include "kalfem/reduction/free_interface.hpp"
@@ -52,11 +53,32 @@ void require_no_mechanism(const FiniteElementModel& elements, const AssembledMod
                      "its motion there is undetermined", "fix or connect these degrees of freedom");
 }
 
+/// Adds T^T K_g T to the term that no parameter changes.
+void add_preload(const SparseMatrix& preload, AssembledModel& assembled) {
+  const SparseMatrix own = assembled.expansion.transpose() * preload * assembled.expansion;
+  const auto constant = std::ranges::find_if(assembled.stiffness, [](const auto& term) { return term.powers.empty(); });
+  if (constant == assembled.stiffness.end())
+    assembled.stiffness.push_back({{}, own});
+  else
+    add_to(constant->matrix, own);
+}
+
+void require_stable(const FiniteElementPart& part) try {
+  SparseFactor(evaluate(part.assembled.stiffness, part.assembled.parameters));
+} catch (const NotPositiveDefinite&) {
+  throw InvalidInput("the preload of '" + part.name + "' is beyond its buckling load",
+                     "its stiffness under this load is not positive definite", "reduce the load or add supports");
+}
+
 }  // namespace
 
 void assemble_part(FiniteElementPart& part, const AssemblyOptions& options) {
   require_connected(part.elements);
   part.assembled = assemble(part.elements, options);
+  if (part.preload_stiffness.size() > 0) {
+    add_preload(part.preload_stiffness, part.assembled);
+    require_stable(part);
+  }
   if (!part.elements.mesh.cells.empty()) require_no_mechanism(part.elements, part.assembled);
   part.mass = mass_properties(part.assembled);
   part.moving_mass = moving_mass(part.elements, part.assembled);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,15 +21,17 @@ struct FiniteElementPart {
   MassProperties mass;                                    ///< with the fixed degrees of freedom
   Eigen::Vector3d moving_mass = Eigen::Vector3d::Zero();  ///< that the free part moves along x, y, z [kg]
   std::vector<NamedNode> nodes;
-  LinearModel full;                   ///< with its damping
-  FiniteElementDamping damping;       ///< included in `full`, with its dashpots
-  std::vector<std::string> boundary;  ///< names of the degrees of freedom that the rest of the structure touches
+  std::map<std::string, std::vector<Eigen::Index>> load_groups = {};  ///< cells of the groups that loads name
+  SparseMatrix preload_stiffness = {};  ///< of stresses that it carries, 6 to a node; empty: none
+  LinearModel full;                     ///< with its damping
+  FiniteElementDamping damping;         ///< included in `full`, with its dashpots
+  std::vector<std::string> boundary;    ///< names of the degrees of freedom that the rest of the structure touches
 };
 using FiniteElementPartPtr = std::shared_ptr<const FiniteElementPart>;
 
-/// Assembles what the part's `elements`, `nodes` and `damping` say: matrices, masses, and the full model with Rayleigh
-/// damping and dashpots, without modal damping. Throws InvalidInput as assemble() does, and where the elements do not
-/// hang together or are a mechanism.
+/// Assembles what the part's `elements`, `preload_stiffness`, `nodes` and `damping` say: matrices, masses, and the full
+/// model with Rayleigh damping and dashpots, without modal damping. Throws InvalidInput as assemble() does, and where
+/// the elements do not hang together or are a mechanism, or the preload is beyond the buckling load.
 void assemble_part(FiniteElementPart& part, const AssemblyOptions& options);
 
 /// A finite-element substructure in the orders of model that are used beside each other.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "kalfem/records/fractional_shift.hpp"
 
@@ -125,6 +126,7 @@ private:
       estimate.robust_deviation[own.place] = slope * std::sqrt(found.robust.covariance(i, i));
       estimate.visible[static_cast<std::size_t>(own.place)] = deviation < told * own.prior_deviation();
     }
+    estimate.tried = tried_;
     const MatrixXd slopes = slopes_of_unknowns(found.estimate, parameters);
     estimate.added_covariance = slopes * found.covariance * slopes.transpose();
     return estimate;
@@ -158,15 +160,22 @@ private:
     if (starts.size() < 2) return true;
     const double infinity = std::numeric_limits<double>::infinity(), first = values_[i];
     double best = -infinity, worst = infinity;
+    std::map<double, double> tried;
     for (const double start : starts) {
       VectorXd values = values_;
       values[i] = start;
       const auto densities = log_densities(values);
       if (!densities) continue;
+      tried.emplace(start, densities->sum());
       worst = std::min(worst, densities->sum());
       if (!(densities->sum() > best)) continue;
       best = densities->sum();
       values_[i] = start;
+    }
+    auto& kept = tried_.emplace_back(TriedValues{i});
+    for (const auto& [value, log_likelihood] : tried) {
+      kept.values.push_back(value);
+      kept.log_likelihood.push_back(log_likelihood);
     }
     const double moved = 2.0 * static_cast<double>(reach_of(unknown(i), record_.sample_rate));
     if (!is_delay || best - worst > by_chance * std::sqrt(moved)) return true;
@@ -209,6 +218,7 @@ private:
   const std::vector<LikelihoodUnknown>& unknowns_;
   VectorXd values_;
   std::vector<Coordinate> searched_;
+  std::vector<TriedValues> tried_;
 };
 
 }  // namespace

@@ -36,6 +36,13 @@ struct LikelihoodInterval {
   bool robust = false;
 };
 
+/// Values of one likelihood unknown that were tried before the search, the others at their first guesses.
+struct TriedValues {
+  Eigen::Index unknown = 0;
+  std::vector<double> values = {};          ///< ascending [its unit]
+  std::vector<double> log_likelihood = {};  ///< of the record
+};
+
 /// What the record tells of the likelihood unknowns.
 struct LikelihoodEstimate {
   std::vector<LikelihoodUnknown> unknowns;
@@ -45,6 +52,7 @@ struct LikelihoodEstimate {
   std::vector<bool> visible;
   /// What their uncertainty adds to the covariance of the filter's unknowns, in the filter's state.
   Eigen::MatrixXd added_covariance;
+  std::vector<TriedValues> tried;  ///< of delays and gains
   bool converged = false;
   int runs = 0;  ///< of the filter over the record
   CorrectedProblem corrected;

@@ -245,7 +245,9 @@ RecordEstimate estimate_at_first_guesses(const EstimationProblemPtr& problem, co
 }  // namespace
 
 RecordEstimate estimate_record(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
-                               const Record& record, const RecordEstimateOptions& options) {
+                               const Record& record, const RecordEstimateOptions& given) {
+  RecordEstimateOptions options = given;
+  options.progress = passes_of(given.progress, "filter pass");
   if (problem->settings.likelihood_unknowns.empty()) return estimate_by_filter(problem, setup, record, options);
   auto likelihood = estimate_likelihood_unknowns(
       problem, setup, record,

@@ -44,6 +44,8 @@ struct PropertyConverter {
     for (double* inertia : {&section.inertia_y, &section.inertia_z, &section.torsion, &section.product_yz})
       *inertia *= unit.inertia;
     section.centroid *= unit.length;
+    for (auto& corner : section.outline.corners) corner *= unit.length;
+    section.outline.radius *= unit.length;
     for (auto& placement : beam.placements) placement.offsets *= unit.length;
     beam.nonstructural_mass *= unit.mass / unit.length;
     beam.nonstructural_centre *= unit.length;

@@ -115,7 +115,9 @@ LawRanking rank_laws(const Study& study, const Record& record, LikelihoodCheckpo
     ranking.connector += (ranking.connector.empty() ? "" : ", ") + connector;
   for (std::size_t i = 0; i < alternatives.size(); ++i) {
     const auto of_all = [&, i](std::string_view, double fraction) {
-      if (progress) progress("laws", (static_cast<double>(i) + fraction) / static_cast<double>(alternatives.size()));
+      if (progress)
+        progress("law " + std::to_string(i + 1) + " of " + std::to_string(alternatives.size()),
+                 (static_cast<double>(i) + fraction) / static_cast<double>(alternatives.size()));
     };
     ranking.laws.push_back(evaluate(alternatives[i], record, checkpoint, of_all));
   }

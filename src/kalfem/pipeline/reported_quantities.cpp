@@ -58,12 +58,13 @@ std::vector<SubstructureModes> substructure_modes(const Study& study, Eigen::Ind
     const auto modes = normal_modes(model.mass, model.stiffness);
     all.push_back({lumped.name, model.size(), model.mass.sum(), modes.frequencies, modes.shapes});
   }
-  for (const auto& elements : study.structure->finite_elements) {
-    const auto& part = *elements.part;
-    const auto modes = lowest_normal_modes(part.full, count);
-    all.push_back({part.name, part.full.size(), part.mass.mass, modes.frequencies, modes.shapes});
-  }
+  for (const auto& elements : study.structure->finite_elements) all.push_back(modes_of(*elements.part, count));
   return all;
+}
+
+SubstructureModes modes_of(const FiniteElementPart& part, Eigen::Index count) {
+  const auto modes = count > 0 ? lowest_normal_modes(part.full, count) : NormalModes{};
+  return {part.name, part.full.size(), part.mass.mass, modes.frequencies, modes.shapes};
 }
 
 }  // namespace kalfem

@@ -26,5 +26,7 @@ void compare(PointQuantity& quantity, const Eigen::VectorXd& truth, const Compar
 
 /// Modes of every substructure that has degrees of freedom: all of a lumped one, the lowest `count` of finite elements.
 std::vector<SubstructureModes> substructure_modes(const Study& study, Eigen::Index count);
+/// The lowest `count` modes of a finite-element substructure at full order.
+SubstructureModes modes_of(const FiniteElementPart& part, Eigen::Index count);
 
 }  // namespace kalfem

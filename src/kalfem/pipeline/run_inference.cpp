@@ -135,6 +135,8 @@ InferenceOutcome run_inference(const Study& study, const StudyResults& results, 
   const bool of_record = plan.likelihood != LikelihoodKind::comparisons;
   const int threads = study.problem ? filter_threads(study.problem->settings) : processors();
   LikelihoodCheckpoint checkpoint(options.folder);
+  const double posterior_share = plan.laws.empty() ? 1.0 : 1.0 / static_cast<double>(1 + plan.laws.size());
+  const Progress of_posterior = part_of(options.progress, 0.0, posterior_share);
   InferenceOutcome outcome;
   for (std::size_t i = 0; i < plan.parameters.size(); ++i) {
     outcome.units.push_back(plan.parameters[i].unit);
@@ -145,8 +147,8 @@ InferenceOutcome run_inference(const Study& study, const StudyResults& results, 
   if (of_record) outcome.before = identifiability_before(study);
   const RecordEstimate* estimate = results.estimation ? &*results.estimation : nullptr;
   const CaseLikelihood likelihood =
-      of_record ? posterior_of_record(study, record_of(study, results), estimate, checkpoint, options.progress, outcome)
-                : posterior_of_comparisons(study, results, checkpoint, options.progress, outcome);
+      of_record ? posterior_of_record(study, record_of(study, results), estimate, checkpoint, of_posterior, outcome)
+                : posterior_of_comparisons(study, results, checkpoint, of_posterior, outcome);
   outcome.likelihood = likelihood.words;
   if (!outcome.posterior.empty()) {
     outcome.after = judged(plan, likelihood, posterior_mean(outcome));
@@ -154,7 +156,9 @@ InferenceOutcome run_inference(const Study& study, const StudyResults& results, 
     outcome.profiles = profiles_of(plan, {plan.prior, likelihood.log_likelihood}, outcome, threads);
     if (of_record) outcome.bands = predictive_bands(study, record_of(study, results), outcome.samples, threads);
   }
-  if (!plan.laws.empty()) outcome.laws = rank_laws(study, record_of(study, results), checkpoint, options.progress);
+  if (!plan.laws.empty())
+    outcome.laws =
+        rank_laws(study, record_of(study, results), checkpoint, part_of(options.progress, posterior_share, 1.0));
   if (plan.sensitivity) outcome.sensitivity = output_sensitivity(study, record_of(study, results), threads);
   outcome.evaluations_before = checkpoint.from_earlier();
   outcome.seconds = watch.seconds();

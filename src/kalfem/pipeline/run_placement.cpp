@@ -184,7 +184,7 @@ private:
     if (plan_.draws == 1) at_draws.push_back(*initial);
     RandomStream random(plan_.seed, "placement");
     for (int draw = 0; plan_.draws > 1 && draw < plan_.draws; ++draw) {
-      tell("expected information", static_cast<double>(draw) / plan_.draws);
+      tell("expected information", 0.6 * static_cast<double>(draw) / plan_.draws);
       if (auto found = information_at(study_, plan_.prior.sample(random))) at_draws.push_back(std::move(*found));
     }
     const auto failed = plan_.draws - static_cast<int>(at_draws.size());
@@ -202,7 +202,7 @@ private:
   }
 
   void choose() {
-    tell("ranking of sets", 0.0);
+    tell("ranking of sets", 0.6);
     std::vector<SensorCandidate> candidates;
     for (const auto& candidate : plan_.candidates) candidates.push_back({candidate.name});
     outcome_.placement = place_sensors(
@@ -263,7 +263,7 @@ private:
       outcome_.checked.push_back({*outcome_.own});
       outcome_.checked.back().set.bound = at_initial_->deviation(outcome_.own->candidates);
     }
-    tell("filter over expected records", 0.0);
+    tell("filter over expected records", 0.8);
     const FilterCheck filter(study_);
     const auto check = [&](CheckedSet& checked, std::optional<SubstepChoice> decided) {
       checked.filter = filter.deviation(checked.set.candidates, decided);

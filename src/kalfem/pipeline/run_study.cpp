@@ -14,10 +14,12 @@
 #include "kalfem/pipeline/run_identified_case.hpp"
 #include "kalfem/pipeline/run_inference.hpp"
 #include "kalfem/pipeline/run_placement.hpp"
+#include "kalfem/pipeline/run_statics.hpp"
 #include "kalfem/pipeline/run_steps.hpp"
 #include "kalfem/pipeline/run_updating.hpp"
 #include "kalfem/pipeline/run_validation.hpp"
 #include "kalfem/pipeline/run_verdict.hpp"
+#include "kalfem/pipeline/simulation_checkpoint.hpp"
 #include "kalfem/study/record_source.hpp"
 #include "kalfem/study/study_elements.hpp"
 
@@ -109,6 +111,20 @@ SimulationOutcome run_simulation(const Study& study, const Progress& progress, s
   return outcome;
 }
 
+/// Takes the simulation from an earlier run that was killed after it, or makes it and keeps it.
+void take_simulation(const Study& study, const RunOptions& options, const Progress& progress, StudyResults& results) {
+  const Stopwatch watch;
+  const SimulationCheckpoint checkpoint(options.folder, study);
+  if (auto kept = checkpoint.read()) {
+    results.simulation = std::move(kept->outcome);
+    results.simulation->seconds = watch.seconds();
+    results.fields = std::move(kept->fields);
+    return;
+  }
+  results.simulation = run_simulation(study, progress, results.fields, results.failure);
+  if (results.complete()) checkpoint.write({*results.simulation, results.fields});
+}
+
 /// The updated structure: as the augmented model holds it, and as the prediction uses it.
 struct Updated {
   AugmentedModelSetup augmented_model;
@@ -197,18 +213,43 @@ namespace {
 bool takes(Step step, Step last) {
   if (last == Step::everything) return true;
   if (last == Step::infer) return step == Step::simulate || step == Step::estimate || step == Step::infer;
-  if (last == Step::place) return step == Step::place;
+  if (last == Step::place || last == Step::statics) return step == last;
   return step <= last;
 }
 
-void take_steps(const Study& study, Step last, const RunOptions& options, StudyResults& results) {
+/// The steps that the run will take, with the shares of its time that they usually have.
+std::vector<PlannedStep> plan_of(const Study& study, Step last) {
   const bool updates = takes(Step::update, last) && study.updating;
-  results.modes = substructure_modes(study, study.report.modes);
-  if (takes(Step::simulate, last) && study.simulation)
-    results.simulation = run_simulation(study, options.progress, results.fields, results.failure);
+  const bool estimates = takes(Step::estimate, last) && study.augmented_model;
+  std::vector<PlannedStep> plan;
+  const auto add = [&](bool taken, const char* name, double share) {
+    if (taken) plan.push_back({name, share});
+  };
+  add(takes(Step::simulate, last) && study.simulation, "simulate", 4.0);
+  add(updates, "update", 6.0);
+  add(estimates, "estimate", 3.0);
+  add(estimates && study.problem->settings.diagnose, "diagnose", 1.0);
+  add(study.validation && (estimates || updates), "validate", 1.0);
+  add(takes(Step::predict, last) && study.prediction, "predict", 2.0);
+  add(takes(Step::infer, last) && study.inference, "infer", 10.0);
+  add(takes(Step::place, last) && study.placement, "place", 5.0);
+  return plan;
+}
+
+void take_steps(const Study& study, Step last, const RunOptions& options, StudyResults& results) {
+  JobProgress job(plan_of(study, last), options.progress);
+  const auto options_of = [&](const char* step) {
+    RunOptions own = options;
+    own.progress = job.begin(step);
+    return own;
+  };
+  const bool updates = takes(Step::update, last) && study.updating;
+  results.modes = substructure_modes(study, last == Step::statics ? 0 : study.report.modes);
+  if (takes(Step::statics, last) && study.statics) results.statics = run_statics(*study.statics, results.warnings);
+  if (takes(Step::simulate, last) && study.simulation) take_simulation(study, options, job.begin("simulate"), results);
   std::optional<Updated> updated;
   if (results.complete() && updates) {
-    results.updating = run_updating(study, results, options, results.failure);
+    results.updating = run_updating(study, results, options_of("update"), results.failure);
     if (study.augmented_model && results.complete()) {
       results.updating->unknowns_before = unknowns_at_start(study, results);
       updated.emplace(updated_structure(study, *results.updating));
@@ -216,8 +257,9 @@ void take_steps(const Study& study, Step last, const RunOptions& options, StudyR
   }
   std::optional<AugmentedModelSetup> augmented_model = updated ? updated->augmented_model : study.augmented_model;
   if (results.complete() && takes(Step::estimate, last) && augmented_model) {
-    results.estimation = run_estimation(study, *augmented_model, results, options.progress);
+    results.estimation = run_estimation(study, *augmented_model, results, job.begin("estimate"));
     results.failure = results.estimation->failure();
+    job.begin("diagnose");
     const StructureParts& parts = updated ? updated->parts : study.structure->parts;
     results.estimation->diagnosis =
         look_for_cause(*study.problem, parts, record_of(study, results), *results.estimation);
@@ -228,19 +270,21 @@ void take_steps(const Study& study, Step last, const RunOptions& options, StudyR
             .empty())  // otherwise the pictures have another basis than the augmented model
       if (auto series = estimated_fields(study, *results.estimation)) results.fields.push_back(std::move(*series));
   }
-  if (results.complete() && study.validation && (results.estimation || results.updating))
+  if (results.complete() && study.validation && (results.estimation || results.updating)) {
+    job.begin("validate");
     results.validation = run_validation(study, parts_for_validation(study, augmented_model, results), results);
+  }
   if (results.complete() && takes(Step::predict, last) && study.prediction) {
     const auto estimated = estimated_model(study, *augmented_model, updated, *results.estimation, results.failure);
     if (results.complete())
-      results.prediction = run_prediction(study, estimated ? *estimated : *study.model, results, options.progress);
+      results.prediction = run_prediction(study, estimated ? *estimated : *study.model, results, job.begin("predict"));
   }
   if (results.complete() && takes(Step::predict, last))
     results.modifications = predict_modifications(study, updated_parameters(results));
   if (results.complete() && takes(Step::infer, last) && study.inference)
-    results.inference = run_inference(study, results, options);
+    results.inference = run_inference(study, results, options_of("infer"));
   if (results.complete() && takes(Step::place, last) && study.placement) {
-    results.placement = run_placement(study, options.progress);
+    results.placement = run_placement(study, job.begin("place"));
     results.failure = results.placement->failure;
   }
 }

@@ -11,6 +11,7 @@
 #include "kalfem/identification/record_estimate.hpp"
 #include "kalfem/pipeline/inference_outcome.hpp"
 #include "kalfem/pipeline/placement_outcome.hpp"
+#include "kalfem/pipeline/statics_outcome.hpp"
 #include "kalfem/pipeline/validation_outcome.hpp"
 #include "kalfem/prediction/base_driven.hpp"
 #include "kalfem/records/spectrum.hpp"
@@ -99,11 +100,15 @@ struct FoundMinimum {
   bool converged = false;
 };
 
-/// Magnitude of one frequency response.
+/// One frequency response, measured and of the model with its best factor.
 struct FrfCurve {
-  std::string name;                                ///< "2 per force at 1"
-  Eigen::VectorXd lines, measured, before, after;  ///< [Hz], |H|, the model's with its best factor
-  std::optional<double> scale;                     ///< best factor on the updated model, if it is free
+  std::string name;                          ///< "2 per force at 1"
+  std::string quantity, unit;                ///< "acceleration", "(m/s^2)/N"
+  Eigen::VectorXd lines;                     ///< [Hz]
+  Eigen::VectorXcd measured, before, after;  ///< H
+  bool magnitudes_only = false;              ///< the measured one has no phases
+  Eigen::VectorXd coherence;                 ///< of the measurement; empty: not known
+  std::optional<double> scale;               ///< best factor on the updated model, if it is free
 };
 
 /// A comparison before and after the updating.
@@ -115,6 +120,7 @@ struct ComparisonResult {
   std::string derivatives;                             ///< of a driven record: which ones, and why
   std::vector<FrfCurve> responses;                     ///< of frequency responses
   std::vector<PairedMode> modes_initial, modes_final;  ///< of natural frequencies
+  Eigen::MatrixXd mac_initial, mac_final;              ///< measured x the model's elastic modes
 };
 
 struct UpdatingOutcome {
@@ -149,6 +155,7 @@ struct StudyResults {
   std::vector<StructuralModificationResult> modifications;
   std::optional<InferenceOutcome> inference;
   std::optional<PlacementOutcome> placement;
+  std::optional<StaticsOutcome> statics;
   std::vector<std::string> warnings;  ///< about the results, in addition to those of the study
   Verdict verdict;
   std::optional<IdentifiedCase> identified;  ///< of a usable run with an estimation or an updating
@@ -165,11 +172,11 @@ struct StudyResults {
 };
 
 /// What a run ends with: the step that a verb of the command names, with all that it needs; or everything.
-enum class Step { modes, simulate, estimate, predict, update, infer, place, everything };
+enum class Step { modes, simulate, estimate, predict, update, infer, place, statics, everything };
 
 struct RunOptions {
-  Progress progress = {};
-  std::filesystem::path folder = {};  ///< where a long updating or inference keeps its checkpoint; empty: none
+  Progress progress = {};             ///< of the whole run: "simulate (1 of 3): reference 3 of at most 7"
+  std::filesystem::path folder = {};  ///< where long steps keep their checkpoints; empty: nowhere
   std::function<void(int number, const UpdatingStep&)> on_updating_step = {};
   bool keep_finished = false;  ///< asked to stop, the run returns the steps that are finished; otherwise it throws
 };

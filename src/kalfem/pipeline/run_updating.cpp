@@ -76,11 +76,19 @@ public:
 
   void keep(UpdatingStep step) {
     outcome_.trace.push_back(std::move(step));
+    show_progress(static_cast<int>(outcome_.trace.size()));
     if (options_.on_updating_step)
       options_.on_updating_step(static_cast<int>(outcome_.trace.size()), outcome_.trace.back());
   }
 
 private:
+  /// When the search will converge is not known: half of it is expected in so many evaluations.
+  void show_progress(int evaluations) const {
+    constexpr double half = 8.0;
+    if (options_.progress)
+      options_.progress("evaluation " + std::to_string(evaluations), evaluations / (evaluations + half));
+  }
+
   const Study& study_;
   const RunOptions& options_;
   UpdatingOutcome& outcome_;
@@ -169,6 +177,24 @@ std::string per_input(const FrfSet& set) {
   return (set.input == FrfInput::force ? " per force at " : " per motion of ") + set.place;
 }
 
+/// "(m/s^2)/N"
+std::string unit_of(const FrfSet& set) {
+  const std::string output = set.quantity == ResponseQuantity::displacement ? "m"
+                             : set.quantity == ResponseQuantity::velocity   ? "m/s"
+                                                                            : "m/s^2";
+  const std::string input = set.input == FrfInput::force                 ? "N"
+                            : set.input == FrfInput::ground_displacement ? "m"
+                                                                         : "m/s^2";
+  const auto in_brackets = [](const std::string& unit) { return unit.size() > 1 ? "(" + unit + ")" : unit; };
+  return in_brackets(output) + "/" + in_brackets(input);
+}
+
+std::string name_of(ResponseQuantity quantity) {
+  return quantity == ResponseQuantity::displacement ? "displacement"
+         : quantity == ResponseQuantity::velocity   ? "velocity"
+                                                    : "acceleration";
+}
+
 std::vector<FrfCurve> curves(const FrfResidual& residual, const VectorXd& start, const VectorXd& end) {
   std::vector<FrfCurve> all;
   const auto before = residual.model_responses(start), after = residual.model_responses(end);
@@ -177,10 +203,16 @@ std::vector<FrfCurve> curves(const FrfResidual& residual, const VectorXd& start,
     const auto& measured = residual.compared()[i];
     const auto& set = residual.sets()[i];
     for (Index j = 0; j < measured.values.cols(); ++j)
-      all.push_back({set.outputs[static_cast<std::size_t>(j)] + per_input(set), measured.lines,
-                     measured.values.col(j).cwiseAbs(), scales_before[i][j] * before[i].col(j).cwiseAbs(),
-                     scales_after[i][j] * after[i].col(j).cwiseAbs(),
-                     residual.has_free_scale() ? std::optional(scales_after[i][j]) : std::nullopt});
+      all.push_back({.name = set.outputs[static_cast<std::size_t>(j)] + per_input(set),
+                     .quantity = name_of(set.quantity),
+                     .unit = unit_of(set),
+                     .lines = measured.lines,
+                     .measured = measured.values.col(j),
+                     .before = scales_before[i][j] * before[i].col(j),
+                     .after = scales_after[i][j] * after[i].col(j),
+                     .magnitudes_only = measured.magnitudes_only,
+                     .coherence = measured.coherence.size() > 0 ? VectorXd(measured.coherence.col(j)) : VectorXd(),
+                     .scale = residual.has_free_scale() ? std::optional(scales_after[i][j]) : std::nullopt});
   }
   return all;
 }
@@ -217,8 +249,11 @@ void compare(const Study& study, const std::vector<ComparisonResidual>& comparis
     result.rms_final = rms(last);
     row += result.size;
     if (const auto* modal = dynamic_cast<const ModalResidual*>(&residual)) {
-      result.modes_initial = modal->compare(start);
-      result.modes_final = modal->compare(updating.values);
+      const auto at_start = modal->compare(start), at_end = modal->compare(updating.values);
+      result.modes_initial = at_start.pairs;
+      result.modes_final = at_end.pairs;
+      result.mac_initial = at_start.mac;
+      result.mac_final = at_end.mac;
     }
     if (const auto* record = dynamic_cast<const RecordResidual*>(&residual)) result.derivatives = record->derivatives();
     if (const auto* frf = dynamic_cast<const FrfResidual*>(&residual))

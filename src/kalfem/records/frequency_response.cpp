@@ -132,12 +132,12 @@ H1Estimate estimate_of(const SpectralSums& sums, double spacing, double averages
   const VectorXd weight = sums.input(kept).cwiseInverse();
   H1Estimate estimate;
   estimate.averages = averages;
-  auto& [lines, outputs, values, deviations, magnitudes_only] = estimate.response;
+  auto& [lines, outputs, values, deviations, magnitudes_only, coherence] = estimate.response;
   lines.resize(Index(kept.size()));
   for (Index i = 0; i < lines.size(); ++i) lines[i] = spacing * double(kept[std::size_t(i)] + 1);
   values = weight.asDiagonal() * sums.cross(kept, Eigen::all);
   const MatrixXd coherent = sums.input(kept).asDiagonal() * values.cwiseAbs2();
-  estimate.coherence = (power.array() > 0.0).select(coherent.array() / power.array(), 0.0).min(1.0);
+  coherence = (power.array() > 0.0).select(coherent.array() / power.array(), 0.0).min(1.0);
   if (averages > 1.0 + 1e-9)
     deviations = (weight.asDiagonal() * (power - coherent).cwiseMax(0.0) / (2.0 * (averages - 1.0))).cwiseSqrt();
   return estimate;

@@ -21,6 +21,7 @@ struct FrequencyResponse {
   Eigen::MatrixXd deviations = {};  ///< standard deviation of the real and of the imaginary part, each (it is that of
                                     ///< |H| too, where it is small), lines x outputs; 0 x 0: not known
   bool magnitudes_only = false;     ///< the phases were not measured: the values are |H|
+  Eigen::MatrixXd coherence = {};   ///< gamma^2 of output and input, lines x outputs; 0 x 0: not known
 };
 
 enum class SpectralWindow { hann, rectangular };
@@ -34,13 +35,12 @@ struct H1Options {
 
 struct H1Estimate {
   FrequencyResponse response;  ///< without line 0, because the mean of each segment is taken off
-  Eigen::MatrixXd coherence;   ///< gamma^2 = |S_xy|^2 / (S_xx S_yy), lines x outputs
   Eigen::Index segments = 0;   ///< that were averaged
   double averages = 0.0;       ///< n_d, independent segments to which the overlapping ones are worth
 };
 
-/// H1 = S_xy / S_xx, which noise on the output does not bias, from the segments of one or more records (blows of a
-/// hammer in a file each) [BP10, 9.1].
+/// H1 = S_xy / S_xx with gamma^2 = |S_xy|^2 / (S_xx S_yy), which noise on the output does not bias, from the segments
+/// of one or more records (blows of a hammer in a file each) [BP10, 9.1].
 ///
 /// Deviation of each part, from the part of the output's power that is not coherent (in [BP10] with n_d for n_d - 1):
 ///     sigma^2 = S_yy (1 - gamma^2) / (2 (n_d - 1) S_xx).

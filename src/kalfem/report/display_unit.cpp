@@ -7,6 +7,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "kalfem/base/units.hpp"
 #include "kalfem/report/tables.hpp"
 
 namespace kalfem {
@@ -41,9 +42,16 @@ std::string rounded_at(int place, double value) {
   return fmt::format("{:.{}f}", place > 0 ? step * std::round(value / step) : value, std::max(0, -place));
 }
 
-DisplayUnit::DisplayUnit(const std::string& unit, const std::vector<double>& values) : unit_(unit) {
+DisplayUnit::DisplayUnit(const std::string& unit, const std::vector<double>& values, const std::string& own)
+    : unit_(unit) {
   const auto decides = std::ranges::find_if(values, [](double v) { return std::isfinite(v) && v != 0.0; });
   if (decides == values.end()) return;
+  if (!own.empty()) {
+    constexpr double least = 1e-3, most = 1e6;  // what reads well in any unit
+    factor_ = 1.0 / parse_unit_as(own, unit).factor;
+    unit_ = own;
+    if (const double shown = std::abs(scaled(*decides)); shown >= least && shown < most) return;
+  }
   const int power = thousands(first_symbol(unit), *decides);
   factor_ = std::pow(1000.0, -power);
   unit_ =

@@ -18,7 +18,8 @@ public:
   /// `unit`: as the library has it ("N s/m"). The first of `values` that is finite and not zero decides the prefix.
   /// Units that begin with another symbol than N, Pa, m, s, Hz, V, A, J or W to the first power keep what they are;
   /// lengths and times get small prefixes only.
-  DisplayUnit(const std::string& unit, const std::vector<double>& values);
+  /// `own`: the unit that the user wrote, which stays where the value reads well in it; empty: none.
+  DisplayUnit(const std::string& unit, const std::vector<double>& values, const std::string& own = {});
 
   [[nodiscard]] const std::string& unit() const { return unit_; }  ///< "GPa"
   [[nodiscard]] double scaled(double value) const { return value * factor_; }

@@ -37,6 +37,14 @@ constexpr std::array<Colour, 10> palette = {{{0x6f, 0x9b, 0xc8},
                                              {0x8f, 0xa0, 0xad},
                                              {0xd0, 0x87, 0x6a}}};
 
+/// "#rrggbb".
+Colour parsed(const std::string& text) {
+  const auto channel = [&](std::size_t from) {
+    return static_cast<double>(std::stoi(text.substr(from, 2), nullptr, 16));
+  };
+  return {channel(1), channel(3), channel(5)};
+}
+
 /// Darker below 1, lighter above.
 std::string shaded(const Colour& colour, double factor) {
   const auto channel = [&](double value) {
@@ -197,6 +205,7 @@ private:
   }
 
   [[nodiscard]] Colour colour_of(int region) const {
+    if (!options_.region_colours.empty()) return parsed(options_.region_colours[static_cast<std::size_t>(region)]);
     return options_.plain ? pale : palette[static_cast<std::size_t>(region) % palette.size()];
   }
 

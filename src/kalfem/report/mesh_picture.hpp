@@ -62,7 +62,8 @@ struct MeshPictureOptions {
   double elevation = 26.0;                ///< of the eye above the x-y plane [deg]
   std::vector<std::string> regions = {};  ///< to draw, in the order of their colours; empty: all with lines, surfaces
                                           ///< or solids
-  std::vector<PictureMark> marks = {};    ///< faint behind the surface; thinned out where many of a kind stand together
+  std::vector<std::string> region_colours = {};  ///< of these regions, "#rrggbb"; empty: colours of the picture's own
+  std::vector<PictureMark> marks = {};  ///< faint behind the surface; thinned out where many of a kind stand together
   std::vector<std::pair<Eigen::Index, Eigen::Index>> links = {};  ///< dashed lines between nodes
   bool plain = false;  ///< the mesh in one pale colour and without a legend of regions, so that marks stand out
   /// Colours of candidates from the best to the worst, for the legend; empty: none.

@@ -80,12 +80,25 @@ private:
               "row " + std::to_string(row + 1) + " has " + std::to_string(table.rows[row].size()) + " cells",
               "there are " + std::to_string(table.columns.size()) + " columns");
     }
+    require(table.graphics.empty() || table.graphics.size() == table.rows.size(),
+            std::to_string(table.graphics.size()) + " graphics for " + std::to_string(table.rows.size()) + " rows",
+            "give one for each row or none");
+    for (const auto& svg : table.graphics) check_svg(svg);
   }
 
   void check(const Picture& picture) {
     where_ = "picture '" + picture.title + "'";
-    require(picture.svg.starts_with("<svg") && picture.svg.find("</svg>") != std::string::npos,
-            "it is not an svg element", "it is inserted into the page unchanged");
+    check_svg(picture.svg);
+  }
+
+  void check(const Listing& listing) {
+    where_ = "listing '" + listing.title + "'";
+    require(!listing.title.empty(), "it has no title", "it is folded away behind it");
+  }
+
+  void check_svg(const std::string& svg) {
+    require(svg.starts_with("<svg") && svg.find("</svg>") != std::string::npos, "it is not an svg element",
+            "it is inserted into the page unchanged");
   }
 
   void check(const Scene& scene) {
@@ -161,7 +174,7 @@ public:
     for (const auto& section : page.sections) sections += html(section);
     return header(page) +
            element("div", "class=\"columns\"", contents(page) + element("main", "id=\"main\"", sections)) +
-           element("footer", "", "Written by kalfem " + std::string(version) + run_words(page));
+           element("footer", "", links(page) + "Written by kalfem " + std::string(version) + run_words(page));
   }
 
 private:
@@ -174,7 +187,22 @@ private:
     return element(
         "header", "",
         text_element("h1", "", page.title) + text_element("p", "class=\"subtitle\"", page.subtitle) +
-            element("div", "class=\"verdict\" role=\"status\"", badge + text_element("p", "", page.summary)));
+            element("div", "class=\"verdict\" role=\"status\"", badge + text_element("p", "", page.summary)) +
+            warnings(page));
+  }
+
+  static std::string warnings(const Page& page) {
+    std::string items;
+    for (const auto& warning : page.warnings) items += text_element("li", "", warning);
+    return items.empty() ? items : element("ul", "class=\"warnings\" aria-label=\"Warnings\"", items);
+  }
+
+  static std::string links(const Page& page) {
+    std::string all;
+    for (const auto& file : page.files)
+      all +=
+          (all.empty() ? "Beside this page: " : ", ") + element("a", "href=\"" + escaped(file) + "\"", escaped(file));
+    return all.empty() ? all : element("p", "", all);
   }
 
   static std::string run_words(const Page& page) { return page.run.empty() ? "" : ", run " + escaped(page.run); }
@@ -190,11 +218,29 @@ private:
 
   std::string html(const Section& section) {
     const std::string id = "section-" + std::to_string(++sections_);
-    std::string items;
-    for (const auto& item : section.items) items += std::visit([this](const auto& it) { return this->html(it); }, item);
     return element("section", "id=\"" + id + "\" aria-labelledby=\"" + id + "-heading\"",
                    text_element("h2", "id=\"" + id + "-heading\"", section.heading) + paragraphs(section.text) +
-                       element("div", "class=\"items\"", items));
+                       element("div", "class=\"items\"", items(section)));
+  }
+
+  /// The items in their order, with charts that fold together in an element that opens.
+  std::string items(const Section& section) {
+    std::string all, folded, fold;
+    const auto close = [&] {
+      if (!folded.empty())
+        all += element("details", "class=\"full\"",
+                       text_element("summary", "", fold) + element("div", "class=\"items\"", folded));
+      folded.clear();
+    };
+    for (const auto& item : section.items) {
+      const auto* chart = std::get_if<Chart>(&item);
+      const std::string own = chart ? chart->fold : "";
+      if (own != fold) close();
+      fold = own;
+      (own.empty() ? all : folded) += std::visit([this](const auto& it) { return this->html(it); }, item);
+    }
+    close();
+    return all;
   }
 
   std::string html(const Chart& chart) {
@@ -208,8 +254,13 @@ private:
 
   static std::string html(const Picture& picture) {
     return element(
-        "figure", "class=\"chart full picture\"",
+        "figure", "class=\"chart picture " + std::string(picture.half_width ? "half" : "full") + "\"",
         text_element("h3", "", picture.title) + picture.svg + text_element("figcaption", "", picture.caption));
+  }
+
+  static std::string html(const Listing& listing) {
+    return element("details", "class=\"full listing\"",
+                   text_element("summary", "", listing.title) + text_element("pre", "tabindex=\"0\"", listing.text));
   }
 
   static std::string html(const Table& table) {
@@ -218,21 +269,27 @@ private:
       const std::string side = align_class(alignment(table, c));
       head += element("th", "scope=\"col\" " + side, escaped(table.columns[c]));
     }
+    if (!table.graphics.empty()) head += element("th", "scope=\"col\"", escaped(table.graphics_title));
     std::string rows;
-    for (const auto& row : table.rows) rows += element("tr", "", cells(table, row));
-    return element("div", "class=\"table\" tabindex=\"0\" role=\"group\" aria-label=\"" + escaped(table.title) + "\"",
+    for (std::size_t r = 0; r < table.rows.size(); ++r) rows += element("tr", "", cells(table, r));
+    const std::string size = table.half_width ? "table half" : "table";
+    return element("div",
+                   "class=\"" + size + "\" tabindex=\"0\" role=\"group\" aria-label=\"" + escaped(table.title) + "\"",
                    element("table", "",
                            text_element("caption", "", table.title) + element("thead", "", element("tr", "", head)) +
-                               element("tbody", "", rows)));
+                               element("tbody", "", rows)) +
+                       text_element("p", "class=\"note-below\"", table.caption));
   }
 
-  static std::string cells(const Table& table, const std::vector<std::string>& row) {
+  static std::string cells(const Table& table, std::size_t r) {
+    const auto& row = table.rows[r];
     std::string html;
     for (std::size_t c = 0; c < row.size(); ++c) {
       const bool prose = row[c].size() > longest_plain_cell;
       const std::string side = prose ? "class=\"prose\"" : align_class(alignment(table, c));
       html += c == 0 ? element("th", "scope=\"row\" " + side, escaped(row[c])) : element("td", side, escaped(row[c]));
     }
+    if (!table.graphics.empty()) html += element("td", "", table.graphics[r]);
     return html;
   }
 

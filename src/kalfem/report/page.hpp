@@ -51,6 +51,7 @@ struct Chart {
   std::optional<AxisRange> x_window = {};  ///< part of x that is shown first
   std::optional<AxisRange> y_window = {};  ///< part of y that is shown first; else what the curves need
   bool half_width = false;                 ///< two in a row on a wide screen; scatter charts always are
+  std::string fold = {};                   ///< charts in a row with the same words here stand folded away behind them
 };
 
 enum class Align { left, right, center };
@@ -59,7 +60,11 @@ struct Table {
   std::string title = {};
   std::vector<std::string> columns = {};
   std::vector<std::vector<std::string>> rows = {};  ///< as many cells as columns
-  std::vector<Align> alignment = {};  ///< per column; empty: columns of numbers to the right, text to the left
+  std::vector<Align> alignment = {};       ///< per column; empty: columns of numbers to the right, text to the left
+  std::vector<std::string> graphics = {};  ///< one svg element a row, as a last column of their own; empty: none
+  std::string graphics_title = {};         ///< heading of that column
+  std::string caption = {};
+  bool half_width = false;
 };
 
 /// A drawing of our own; it goes into the page as it is.
@@ -67,21 +72,30 @@ struct Picture {
   std::string title = {};
   std::string caption = {};
   std::string svg = {};  ///< one svg element
+  bool half_width = false;
+};
+
+/// A text as it stands, folded away behind its title.
+struct Listing {
+  std::string title = {};
+  std::string text = {};
 };
 
 struct Section {
   std::string heading = {};
   std::string text = {};  ///< plain text; an empty line starts a paragraph
-  std::vector<std::variant<Chart, Table, Picture, Scene>> items = {};
+  std::vector<std::variant<Chart, Table, Picture, Listing, Scene>> items = {};
 };
 
 struct Page {
   std::string title = {};
   std::string subtitle = {};
   VerdictState status = VerdictState::consistent;
-  std::string summary = {};  ///< the answer in a sentence or two, beside the status
+  std::string summary = {};                ///< the answer in a sentence or two, beside the status
+  std::vector<std::string> warnings = {};  ///< below it
   std::vector<Section> sections = {};
-  std::string run = {};  ///< identity of the run, see run_identity(); empty: not shown
+  std::vector<std::string> files = {};  ///< beside the page, to be linked
+  std::string run = {};                 ///< identity of the run, see run_identity(); empty: not shown
 };
 
 /// Rows of a chart, and points of a path, that are kept; longer records are thinned so that every peak stays.

@@ -171,9 +171,12 @@ void write_updating(SeriesWriter& file, const Study& study, const UpdatingOutcom
       const auto& curve = comparison.responses[i];
       const std::string group = "/updating/responses/" + comparison.name + "/" + std::to_string(i + 1);
       file.write_column(group + "/frequency", curve.lines, "Hz");
-      file.write_column(group + "/measured", curve.measured, "SI");
-      file.write_column(group + "/before", curve.before, "SI");
-      file.write_column(group + "/after", curve.after, "SI");
+      for (const auto& [name, values] :
+           {std::pair{"measured", &curve.measured}, {"before", &curve.before}, {"after", &curve.after}}) {
+        file.write_column(group + "/" + name, values->cwiseAbs(), curve.unit);
+        if (!curve.magnitudes_only) file.write_column(group + "/" + name + "_phase", values->cwiseArg(), "rad");
+      }
+      if (curve.coherence.size() > 0) file.write_column(group + "/coherence", curve.coherence, "-");
     }
 }
 

@@ -18,22 +18,16 @@
 #include "kalfem/formats/vtu.hpp"
 #include "kalfem/pipeline/likelihood_checkpoint.hpp"
 #include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/pipeline/simulation_checkpoint.hpp"
 #include "kalfem/pipeline/updating_checkpoint.hpp"
 #include "kalfem/report/nodal_translations.hpp"
+#include "kalfem/report/statics_report.hpp"
 
 namespace kalfem {
 namespace {
 
 namespace fs = std::filesystem;
 using Eigen::Index;
-
-void write_modes(const fs::path& folder, const FiniteElementPart& part, const SubstructureModes& modes) {
-  std::vector<NodalField> fields;
-  for (Index i = 0; i < modes.frequencies.size(); ++i)
-    fields.push_back({fmt::format("mode {:02d}: {:.2f} Hz", i + 1, modes.frequencies[i]),
-                      nodal_translations(part, modes.shapes.col(i))});
-  write_vtu((folder / (part.name + "_modes.vtu")).string(), part.elements.mesh, fields);
-}
 
 void write_series(const fs::path& folder, const FiniteElementPart& part, const FieldSeries& series) {
   std::vector<SeriesEntry> entries;
@@ -47,15 +41,17 @@ void write_series(const fs::path& folder, const FiniteElementPart& part, const F
 }
 
 /// For ParaView: <substructure>_modes.vtu with the modes of each finite-element substructure, and for each field series
-/// <name>.pvd with a folder <name>/ of one .vtu a time.
+/// <name>.pvd with a folder <name>/ of one .vtu a time; the fields of static load cases.
 void write_fields(const std::string& folder, const Study& study, const StudyResults& results) {
   for (const auto& elements : study.structure->finite_elements) {
     if (elements.part->elements.mesh.cells.empty()) continue;
     for (const auto& modes : results.modes)
-      if (modes.name == elements.part->name) write_modes(folder, *elements.part, modes);
+      if (modes.name == elements.part->name && modes.frequencies.size() > 0) write_modes(folder, *elements.part, modes);
     for (const auto& series : results.fields)
       if (series.substructure == elements.part->name) write_series(folder, *elements.part, series);
   }
+  if (results.statics && !study.statics->part->elements.mesh.cells.empty())
+    write_static_fields(folder, *study.statics, *results.statics);
 }
 
 using Json = nlohmann::ordered_json;
@@ -71,7 +67,7 @@ bool is_main_file(const std::string& name) { return std::ranges::find(main_files
 /// may come from anywhere.
 bool is_of_substructure(const std::string& name) {
   static const std::regex pattern(
-      "[A-Za-z0-9_-]+(_modes[.]vtu|_reduced(_[KMC])?[.](mtx|dmig|op4|h5|dof)|"
+      "[A-Za-z0-9_-]+(_(modes|static)[.]vtu|_reduced(_[KMC])?[.](mtx|dmig|op4|h5|dof)|"
       "_(simulated|estimated)([.]pvd|/[0-9]+[.]vtu))");
   constexpr std::size_t longest = 200;  // longer than any; regular expressions are recursive
   return name.size() <= longest && std::regex_match(name, pattern);
@@ -143,6 +139,9 @@ ResultSet write_files(const fs::path& staging, const Study& study, const StudyRe
     write_file_atomically(staging / "case.identified.yaml", identified_case(*results.identified, identity));
   Page page = make_page(study, results);
   page.run = identity;
+  for (const auto& file : files_in(staging))
+    if (file.find('/') == std::string::npos) page.files.push_back(file);
+  page.files.emplace_back("summary.json");
   write_file_atomically(staging / "report.html", render_html(page));
   Names files = files_in(staging);
   files.insert(std::ranges::lower_bound(files, "summary.json"), "summary.json");
@@ -167,6 +166,7 @@ ResultSet switch_to_files(OutputFolder& folder, const Names& files, const StudyR
     if (!std::ranges::binary_search(files, name) && fs::is_regular_file(folder.path() / name))
       set.removed.push_back(name);
   std::ranges::sort(set.removed);
+  if (results.simulation && !results.interrupted) former.emplace_back(simulation_name);
   if (results.updating) former.emplace_back(checkpoint_name);
   if (results.inference) former.emplace_back(likelihoods_name);
   set.files = folder.replace(former);
@@ -174,6 +174,14 @@ ResultSet switch_to_files(OutputFolder& folder, const Names& files, const StudyR
 }
 
 }  // namespace
+
+void write_modes(const fs::path& folder, const FiniteElementPart& part, const SubstructureModes& modes) {
+  std::vector<NodalField> fields;
+  for (Index i = 0; i < modes.frequencies.size(); ++i)
+    fields.push_back({fmt::format("mode {:02d}: {:.2f} Hz", i + 1, modes.frequencies[i]),
+                      nodal_translations(part, modes.shapes.col(i))});
+  write_vtu((folder / (part.name + "_modes.vtu")).string(), part.elements.mesh, fields);
+}
 
 std::string summary_text(Json summary, const Names& files, double total_seconds) {
   summary["files"] = files;
@@ -195,9 +203,11 @@ ResultSet write_result_set(OutputFolder& folder, const Study& study, const Study
 
 void require_result_places(const fs::path& folder, const Study& study) {
   Names names(main_files.begin(), main_files.end());
+  if (study.simulation) names.emplace_back(simulation_name);
   if (study.updating) names.emplace_back(checkpoint_name);
   if (study.inference) names.emplace_back(likelihoods_name);
   for (const auto& elements : study.structure->finite_elements) names.push_back(elements.part->name + "_modes.vtu");
+  if (study.statics) names.push_back(study.statics->part->name + "_static.vtu");
   std::error_code ignored;
   for (const auto& name : names)
     if (fs::is_directory(folder / name, ignored)) fail_to_write(folder / name, EISDIR);

@@ -53,6 +53,9 @@ void write_results(const std::string& path, const Study& study, const StudyResul
 /// <substructure>_reduced with the ending of the format (.mtx, .dmig, .op4, .h5), see write_superelement().
 void write_superelements(const std::filesystem::path& folder, const Study& study);
 
+/// Writes <part>_modes.vtu: the mesh with the translations of its nodes in each mode, for ParaView.
+void write_modes(const std::filesystem::path& folder, const FiniteElementPart& part, const SubstructureModes& modes);
+
 /// report.html's content: the answer first, then convergence of the parameters, motion against the reference, the
 /// identified connectors, the prediction, and whether the innovations are what they should be.
 Page make_page(const Study& study, const StudyResults& results);

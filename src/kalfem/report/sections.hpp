@@ -40,11 +40,23 @@ Section model_check_section(const std::string& name, const FiniteElementModel& m
 /// (identified with its 95 % band, and true) where the law has no memory, and the path that it went.
 Section connectors_section(const Study& study, const EstimationOutcome& outcome);
 
+/// The filter's unknowns: table, course over time, correlation, and what the record does not determine.
+Section parameters_section(const Study& study, const EstimationOutcome& outcome);
+
+/// Motion at points without a sensor: estimate with its band, beside the simulation where there is one, and the error.
+Section motion_section(const Study& study, const EstimationOutcome& outcome);
+
+/// The linear substructure driven by its estimated boundary motion.
+Section prediction_section(const Study& study, const EstimationOutcome& estimation, const PredictionOutcome& outcome);
+
 /// Every sensor: measured beside what the filter expected, innovations with their band, and their autocorrelation.
 Section sensors_section(const Study& study, const EstimationOutcome& outcome);
 
 /// The updating on the page: parameters, what they rest on, the course of the search, measured and model responses.
 Section updating_section(const Study& study, const StudyResults& results);
+
+/// What was read, with its hashes, how it was prepared, which method and why, time, versions, and the resolved case.
+Section provenance_section(const Study& study, const StudyResults& results);
 
 /// The entries of a vector, as a series of a chart holds them.
 inline std::vector<double> series_values(const Eigen::VectorXd& vector) { return {vector.begin(), vector.end()}; }
@@ -53,5 +65,11 @@ inline std::vector<double> series_values(const Eigen::VectorXd& vector) { return
 std::vector<double> times(const Record& record);
 /// A curve with the 95 % band of a normal distribution; without a deviation, the curve alone.
 Series with_band(const std::string& label, const Eigen::VectorXd& mean, const Eigen::VectorXd& deviation, Role role);
+/// The chart with its ordinates in the unit that people read, "displacement [mm]": that of its largest value.
+/// `unit`: SI; `own`: the one that the user wrote, which then stays.
+Chart with_readable_ordinates(Chart chart, const std::string& quantity, const std::string& unit,
+                              const std::string& own = {});
+/// The same of the abscissae.
+Chart with_readable_abscissae(Chart chart, const std::string& quantity, const std::string& unit);
 
 }  // namespace kalfem

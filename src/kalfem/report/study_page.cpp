@@ -6,12 +6,16 @@
 #include <cmath>
 
 #include "kalfem/report/adaptive_noise_report.hpp"
+#include "kalfem/report/answer.hpp"
 #include "kalfem/report/frequency_report.hpp"
+#include "kalfem/report/identified_parameters.hpp"
 #include "kalfem/report/inference_report.hpp"
 #include "kalfem/report/inference_tables.hpp"
 #include "kalfem/report/placement_report.hpp"
 #include "kalfem/report/process_noise_report.hpp"
 #include "kalfem/report/sections.hpp"
+#include "kalfem/report/statics_report.hpp"
+#include "kalfem/report/structure_picture.hpp"
 #include "kalfem/report/structure_scene.hpp"
 #include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/tables.hpp"
@@ -24,87 +28,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
-
-constexpr double band_probability = 0.95;
-
-Section parameters_section(const Study& study, const EstimationOutcome& outcome) {
-  Section section{"Parameters",
-                  "The 95 % interval in the table comes from the larger of the two standard deviations; `from` names "
-                  "it. The charts show the estimates over time with the 95 % bands that the filter states (std).",
-                  {parameter_table(study, outcome)}};
-  const auto& layout = outcome.augmented_model->layout();
-  for (Index i = 0; i < layout.unknowns; ++i) {
-    const auto index = static_cast<std::size_t>(i);
-    const auto& unknown = outcome.augmented_model->options().unknowns[index];
-    Series estimate{.label = "estimate",
-                    .y = series_values(outcome.result.unknowns.mean.row(i).transpose()),
-                    .role = Role::estimate};
-    for (Index k = 0; k < outcome.result.unknowns.mean.cols(); ++k) {
-      const auto interval =
-          confidence_interval(unknown.transform, outcome.result.state.mean(layout.unknown() + i, k),
-                              outcome.result.state.deviation(layout.unknown() + i, k), band_probability);
-      estimate.lower.push_back(interval.lower);
-      estimate.upper.push_back(interval.upper);
-    }
-    Chart chart{.id = fmt::format("parameter-{}", i + 1),
-                .title = unknown.name,
-                .x_label = "time [s]",
-                .y_label = unknown.name + " [" + unknown.unit + "]",
-                .x = times(outcome.measurements),
-                .series = {estimate},
-                .half_width = true};
-    if (const auto& truth = study.augmented_model->true_parameters[index])
-      chart.series.push_back({.label = "truth", .y = std::vector<double>(chart.x.size(), *truth), .role = Role::truth});
-    section.items.emplace_back(std::move(chart));
-  }
-  return section;
-}
-
-const PointQuantity* find(const std::vector<PointQuantity>& points, const std::string& name,
-                          ObservedQuantity quantity) {
-  const auto found =
-      std::ranges::find_if(points, [&](const auto& p) { return p.point == name && p.quantity == quantity; });
-  return found == points.end() ? nullptr : &*found;
-}
-
-std::vector<std::string> shown_points(const Study& study, const EstimationOutcome& outcome) {
-  std::vector<std::string> names;
-  names = study.report.displacements;
-  if (!names.empty()) return names;
-  const RestingPoints resting(outcome.points, outcome.settled);
-  for (const auto& point : outcome.points)
-    if (point.quantity == ObservedQuantity::displacement && names.size() < 2 && !resting.rests(point))
-      names.push_back(point.point);
-  return names;
-}
-
-/// "NRMSE 0.31 % in the band of the excitation, 0.5 to 30 Hz; 59.9 % of the whole signal, after 2 s."
-std::string error_words(const Study& study, const EstimationOutcome& outcome, const std::vector<PointQuantity>& points,
-                        const PointQuantity& point) {
-  if (RestingPoints(points, outcome.settled).rests(point)) return "The simulated structure is at rest there.";
-  if (!point.nrmse) return "";
-  const std::string after = fmt::format(", after {} s.", four_digits(study.problem->settings.settle));
-  if (!point.nrmse_in_band || !outcome.band) return "NRMSE " + per_cent(*point.nrmse) + after;
-  return fmt::format("NRMSE {} in the band of the excitation, {} to {} Hz; {} over the whole signal",
-                     per_cent(*point.nrmse_in_band), four_digits(outcome.band->from), four_digits(outcome.band->to),
-                     per_cent(*point.nrmse)) +
-         after;
-}
-
-Chart motion_chart(const Study& study, const EstimationOutcome& outcome, const PointQuantity& point, bool zoomed) {
-  const double from = outcome.measurements.time(outcome.settled);
-  Chart chart{.id = fmt::format("displacement-{}{}", point.point, zoomed ? "-zoom" : ""),
-              .title = "Displacement of " + point.point + (zoomed ? ", zoomed" : ""),
-              .x_label = "time [s]",
-              .y_label = "displacement [m]",
-              .x = times(outcome.measurements),
-              .series = {with_band("estimate", point.mean, point.deviation, Role::estimate)}};
-  if (point.truth.size() > 0)
-    chart.series.push_back({.label = "simulated", .y = series_values(point.truth), .role = Role::truth});
-  chart.caption = error_words(study, outcome, outcome.points, point);
-  if (zoomed) chart.x_window = AxisRange{from, std::min(from + study.report.zoom, chart.x.back())};
-  return chart;
-}
 
 Section inputs_section(const EstimationOutcome& outcome) {
   Section section{"Unknown excitations",
@@ -122,54 +45,6 @@ Section inputs_section(const EstimationOutcome& outcome) {
       chart.series.push_back({.label = "true", .y = series_values(input.truth), .role = Role::truth});
     section.items.emplace_back(std::move(chart));
   }
-  return section;
-}
-
-Section motion_section(const Study& study, const EstimationOutcome& outcome) {
-  Section section{"Estimated motion", "Displacements that were not measured: whole record and after settling.", {}};
-  for (const auto& name : shown_points(study, outcome))
-    if (const auto* point = find(outcome.points, name, ObservedQuantity::displacement)) {
-      section.items.emplace_back(motion_chart(study, outcome, *point, false));
-      if (outcome.settled + 1 < outcome.measurements.samples())
-        section.items.emplace_back(motion_chart(study, outcome, *point, true));
-    }
-  if (auto table = error_table("NRMSE against the simulation", study, outcome.points, outcome.settled);
-      !table.rows.empty())
-    section.items.emplace_back(std::move(table));
-  if (auto table = error_table("NRMSE of the smoothed motion", study, outcome.smoothed_points, outcome.settled);
-      !table.rows.empty())
-    section.items.emplace_back(std::move(table));
-  return section;
-}
-
-Section prediction_section(const Study& study, const EstimationOutcome& estimation, const PredictionOutcome& outcome) {
-  Section section{"Prediction of '" + outcome.substructure + "'",
-                  "The linear substructure alone, driven by its estimated boundary accelerations.",
-                  {}};
-  const double from = estimation.measurements.time(estimation.settled);
-  const RestingPoints resting(outcome.points, estimation.settled);
-  int drawn = 0;
-  for (const auto& point : outcome.points) {
-    const bool of_interest = point.quantity == ObservedQuantity::acceleration && shown(study, point.point);
-    if (!of_interest || resting.rests(point) || drawn == 4) continue;
-    ++drawn;
-    Chart chart{.id = "prediction-" + point.point,
-                .title = "Acceleration of " + point.point,
-                .x_label = "time [s]",
-                .y_label = "acceleration [m/s^2]",
-                .x = times(estimation.measurements),
-                .series = {{.label = "predicted", .y = series_values(point.mean), .role = Role::predicted}},
-                .half_width = true};
-    if (point.truth.size() > 0)
-      chart.series.push_back({.label = "simulated", .y = series_values(point.truth), .role = Role::truth});
-    chart.caption = error_words(study, estimation, outcome.points, point);
-    if (from < chart.x.back()) chart.x_window = AxisRange{from, std::min(from + study.report.zoom, chart.x.back())};
-    section.items.emplace_back(std::move(chart));
-  }
-  if (auto table =
-          error_table("NRMSE against the simulation of the whole structure", study, outcome.points, estimation.settled);
-      !table.rows.empty())
-    section.items.emplace_back(std::move(table));
   return section;
 }
 
@@ -259,32 +134,13 @@ Section validation_section(const Study& study, const ValidationOutcome& outcome)
   return section;
 }
 
-std::string answer(const StudyResults& results) {
-  if (!results.usable()) return results.why_unusable();
-  const std::string updated =
-      results.updating
-          ? fmt::format(
-                "{} parameters of the model updated: the residual decreased from {} to {} standard deviations. ",
-                results.updating->values.size(), four_digits(results.updating->residual_initial),
-                four_digits(results.updating->residual_final))
-          : "";
-  if (!results.estimation && results.inference) return updated + inference_answer(*results.inference);
-  if (!results.estimation && results.placement) return updated + placement_answer(*results.placement);
-  if (!results.estimation)
-    return updated + (results.simulation ? "The simulation is complete." : updated.empty() ? "Modes computed." : "");
-  const auto& consistency = results.estimation->consistency;
-  std::string text =
-      updated + fmt::format("{} unknown parameters estimated", results.estimation->augmented_model->layout().unknowns);
-  text += std::isfinite(consistency.mean_nis)
-              ? fmt::format("; mean NIS {:.2f} (expected {:.2f}).", consistency.mean_nis, consistency.expected_nis)
-              : "; nothing was measured after settling.";
-  if (const auto words = results.inference ? law_words(*results.inference) : std::string(); !words.empty())
-    text += " " + words;
-  if (const auto reasons = results.verdict.reasons(); !reasons.empty())
-    text += fmt::format(" {} for doubt, the worst: {}.",
-                        reasons.size() == 1 ? "One reason" : fmt::format("{} reasons", reasons.size()),
-                        reasons.front().text);
-  return text;
+/// What fits on the first screen: the parameters, and the structure with the names of everything.
+Section overview_section(const Study& study, const StudyResults& results) {
+  Section section{"Overview", "", {}};
+  if (const auto found = identified_parameters(study, results); !found.empty())
+    section.items.emplace_back(identified_parameter_table(found));
+  if (auto picture = structure_picture(study)) section.items.emplace_back(std::move(*picture));
+  return section;
 }
 
 /// The mistakes that were tested, best explanation first; the page shows as many as somebody reads.
@@ -361,7 +217,6 @@ Section model_section(const Study& study, const StudyResults& results) {
                                   elements.reduced->error_indicators.reason);
     if (auto scene = structure_scene(study, results, *elements.part)) section.items.emplace_back(std::move(*scene));
   }
-  for (const auto& warning : study.warnings) section.text += "Warning: " + warning + ". ";
   return section;
 }
 
@@ -375,17 +230,20 @@ Eigen::Index dofs_of_all(const StudyResults& results) {
 
 Page make_page(const Study& study, const StudyResults& results) {
   Page page{.title = study.title.empty() ? "kalfem" : study.title,
-            .subtitle = fmt::format("{} degrees of freedom, {} connectors", dofs_of_all(results),
-                                    study.model->system().connector_count()),
+            .subtitle = fmt::format("{} degrees of freedom, {}", dofs_of_all(results),
+                                    counted(study.model->system().connector_count(), "connector")),
             .status = results.verdict.state(),
-            .summary = answer(results),
-            .sections = {}};
+            .summary = answer(study, results),
+            .warnings = study.warnings};
+  page.warnings.insert(page.warnings.end(), results.warnings.begin(), results.warnings.end());
+  page.sections.push_back(overview_section(study, results));
   if (results.verdict.state() != VerdictState::consistent) page.sections.push_back(verdict_section(results));
   const bool estimated = results.estimation && results.estimation->has_samples();
+  const bool measured_first = estimated && study.record;  // what was measured is what people know
+  if (measured_first) page.sections.push_back(sensors_section(study, *results.estimation));
   if (estimated && results.estimation->augmented_model->layout().unknowns > 0)
     page.sections.push_back(parameters_section(study, *results.estimation));
   if (results.updating) page.sections.push_back(updating_section(study, results));
-  if (const auto words = record_words(study, results); !words.empty()) page.sections.push_back({"Record", words, {}});
   if (results.estimation && !results.estimation->events.empty())
     page.sections.push_back(events_section(results.estimation->events));
   if (!results.modifications.empty())
@@ -394,8 +252,9 @@ Page make_page(const Study& study, const StudyResults& results) {
                                  (results.updating ? deviations_leave_out : ""),
                              {modification_table(results.modifications)}});
   if (results.placement) page.sections.push_back(placement_section(study, *results.placement));
+  if (results.statics) page.sections.push_back(statics_section(*study.statics, *results.statics));
   if (results.inference) page.sections.push_back(inference_section(*results.inference));
-  if (estimated) page.sections.push_back(sensors_section(study, *results.estimation));
+  if (estimated && !measured_first) page.sections.push_back(sensors_section(study, *results.estimation));
   if (results.validation) page.sections.push_back(validation_section(study, *results.validation));
   if (estimated) {
     const auto& outcome = *results.estimation;
@@ -422,6 +281,7 @@ Page make_page(const Study& study, const StudyResults& results) {
         part.name, part.elements, model_check_of(part, {.mechanisms = false, .definiteness = false, .frequencies = 0}),
         study.element_notes[i].notes));
   }
+  page.sections.push_back(provenance_section(study, results));
   return page;
 }
 

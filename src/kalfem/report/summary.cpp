@@ -1,22 +1,24 @@
 #include "kalfem/report/result_set.hpp"
 
 #include <cmath>
-#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include <fmt/format.h>
 
+#include "kalfem/base/hash.hpp"
 #include "kalfem/base/version.hpp"
 #include "kalfem/diagnosis/judge_estimation.hpp"
 #include "kalfem/identification/stated_interval.hpp"
 #include "kalfem/identification/walked_range.hpp"
 #include "kalfem/report/adaptive_noise_report.hpp"
+#include "kalfem/report/data_files.hpp"
 #include "kalfem/report/frequency_report.hpp"
 #include "kalfem/report/inference_report.hpp"
 #include "kalfem/report/placement_report.hpp"
 #include "kalfem/report/process_noise_report.hpp"
+#include "kalfem/report/statics_report.hpp"
 #include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/study/structural_modifications.hpp"
@@ -26,18 +28,6 @@ namespace kalfem {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// Fowler, Noll and Vo's hash FNV-1a of 64 bits: the same on every computer, as std::hash is not.
-class Hash {
-public:
-  void add(const std::string& text) {
-    for (const char c : text) state_ = (state_ ^ static_cast<unsigned char>(c)) * 0x100000001B3U;
-  }
-  [[nodiscard]] std::uint64_t value() const { return state_; }
-
-private:
-  std::uint64_t state_ = 0xCBF29CE484222325U;
-};
 
 void drop_times(Json& json) {
   if (json.is_object()) {
@@ -405,6 +395,7 @@ Json timing_summary(const Study& study, const StudyResults& results) {
   }
   if (results.prediction) timing["predict_s"] = number(results.prediction->seconds);
   if (results.updating) timing["update_s"] = number(results.updating->seconds);
+  if (results.statics) timing["static_s"] = number(results.statics->seconds);
   return timing;
 }
 
@@ -501,8 +492,11 @@ Json summarise(const Study& study, const StudyResults& results) {
   if (results.updating) summary["updating"] = updating_summary(study, *results.updating);
   if (results.inference) summary["inference"] = inference_summary(*results.inference);
   if (results.placement) summary["placement"] = placement_summary(*results.placement);
+  if (results.statics) summary["statics"] = statics_summary(*study.statics, *results.statics);
   if (results.identified)
     summary["identified"] = {{"file", "case.identified.yaml"}, {"notes", results.identified->notes}};
+  for (const auto& [path, bytes, sha256] : data_files(study))
+    summary["data"].push_back({{"file", path.string()}, {"bytes", bytes}, {"sha256", sha256}});
   summary["run"] = run_identity(study, summary);
   summary["timing"] = timing_summary(study, results);
   return summary;

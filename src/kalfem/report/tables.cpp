@@ -16,6 +16,7 @@
 #include "kalfem/report/inference_report.hpp"
 #include "kalfem/report/placement_report.hpp"
 #include "kalfem/report/process_noise_report.hpp"
+#include "kalfem/report/statics_report.hpp"
 #include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/updating_tables.hpp"
 #include "kalfem/study/structural_modifications.hpp"
@@ -76,6 +77,10 @@ Table without_empty_columns(Table table) {
   return table;
 }
 
+std::string counted(Eigen::Index count, const std::string& noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
 std::string four_digits(double value) { return std::isfinite(value) ? fmt::format("{:.4g}", value) : "-"; }
 
 Table modes_table(const Study& study, const StudyResults& results) {
@@ -102,14 +107,14 @@ Table modes_table(const Study& study, const StudyResults& results) {
 
 namespace {
 
-void add_likelihood_unknowns(const LikelihoodEstimate& likelihood, Table& table) {
+void add_likelihood_unknowns(const Study& study, const LikelihoodEstimate& likelihood, Table& table) {
   for (std::size_t i = 0; i < likelihood.unknowns.size(); ++i) {
     const auto& [name, kind, sensor, unit, initial, deviation, truth] = likelihood.unknowns[i];
     const auto row = static_cast<Eigen::Index>(i);
     const double estimate = likelihood.values[row];
     const auto interval = likelihood.interval(row);
     const double std = likelihood.deviation[row], robust = likelihood.robust_deviation[row];
-    const DisplayUnit shown(unit, {estimate, initial, std});
+    const DisplayUnit shown(unit, {estimate, initial, std}, study.written_unit(name));
     table.rows.push_back({name, shown.unit(), shown.value(initial), shown.value(estimate, std),
                           shown.value(interval.lower, std) + " to " + shown.value(interval.upper, std),
                           interval.robust ? "robust std" : "std", shown.deviation(std), shown.deviation(robust),
@@ -135,7 +140,7 @@ Table parameter_table(const Study& study, const EstimationOutcome& outcome) {
     const auto interval = stated_interval(outcome, row);
     const auto range = walked_range(outcome, row);
     const double std = outcome.result.unknowns.deviation(row, last);
-    const DisplayUnit shown(unknown.unit, {estimate, unknown.initial, std});
+    const DisplayUnit shown(unknown.unit, {estimate, unknown.initial, std}, study.written_unit(unknown.name));
     const auto between = [&](double least, double greatest) {
       return shown.value(least, std) + " to " + shown.value(greatest, std);
     };
@@ -149,7 +154,7 @@ Table parameter_table(const Study& study, const EstimationOutcome& outcome) {
                           truth ? shown.value(*truth) : "-",
                           truth && *truth != 0.0 ? per_cent(estimate / *truth - 1.0) : "-"});
   }
-  if (outcome.likelihood) add_likelihood_unknowns(*outcome.likelihood, table);
+  if (outcome.likelihood) add_likelihood_unknowns(study, *outcome.likelihood, table);
   return without_empty_columns(std::move(table));
 }
 
@@ -196,7 +201,11 @@ Table error_table(const std::string& title, const Study& study, const std::vecto
     return std::ranges::any_of(cells, [&](const auto& row) { return row.second.contains(column); });
   };
   std::erase_if(table.columns, [&](const auto& column) { return column != "point" && !used(column); });
+  const auto rests = [&](const auto& own) {
+    return std::ranges::all_of(own, [](const auto& cell) { return cell.second == "at rest"; });
+  };
   for (const auto& name : order) {
+    if (rests(cells[name])) continue;
     std::vector<std::string> row{name};
     for (std::size_t c = 1; c < table.columns.size(); ++c) {
       const auto cell = cells[name].find(table.columns[c]);
@@ -287,7 +296,6 @@ std::string substep_words(const EstimationOutcome& outcome) {
                      choice.limited ? "; more substeps would be needed, but the limit is reached" : "");
 }
 
-/// Of a filter, by the time of the record over that of its computation.
 std::string speed_in_words(double ratio) {
   return ratio >= 1.0 ? fmt::format("{:.3g} times faster than real time", ratio)
                       : fmt::format("{:.3g} times slower than real time", 1.0 / ratio);
@@ -331,7 +339,8 @@ std::string console_report(const Study& study, const StudyResults& results) {
   if (!study.structure->finite_elements.empty())
     text += fmt::format("read, assembled and reduced in {:.1f} s\n\n", study.reduce_seconds);
   if (results.placement) text += console_placement(*results.placement);
-  if (!results.simulation && !results.estimation && !results.placement && !results.inference)
+  if (results.statics) text += console_statics(*study.statics, *results.statics);
+  if (!results.simulation && !results.estimation && !results.placement && !results.inference && !results.statics)
     text += to_text(modes_table(study, results)) + "\n";
   if (results.simulation) {
     const auto& reference = results.simulation->reference;

@@ -47,8 +47,13 @@ std::string mass_text(const FiniteElementPart& part);
 /// A table as text with aligned columns.
 std::string to_text(const Table& table);
 
+/// "12 times faster than real time": of a filter, by the time of the record over that of its computation.
+std::string speed_in_words(double ratio);
+
 /// Four significant digits.
 std::string four_digits(double value);
+/// "1 connector", "4 connectors".
+std::string counted(Eigen::Index count, const std::string& noun);
 /// Without columns, other than the first, of which every row has only a dash.
 Table without_empty_columns(Table table);
 /// A ratio with two decimals, "-" where it is not finite.

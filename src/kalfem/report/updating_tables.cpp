@@ -61,7 +61,7 @@ Table updated_parameter_table(const Study& study, const UpdatingOutcome& outcome
     const auto interval =
         parameter_interval(parameter, static_cast<Index>(i), value, outcome.statistics, outcome.robust);
     const double std = deviation_of(outcome.statistics.deviations, outcome, i);
-    const DisplayUnit shown(parameter.unit, {value, parameter.initial, std});
+    const DisplayUnit shown(parameter.unit, {value, parameter.initial, std}, study.written_unit(parameter.name));
     const auto deviation = [&](const Eigen::VectorXd& deviations) {
       return is_at_bound(outcome, i) ? "at its bound" : shown.deviation(deviation_of(deviations, outcome, i));
     };

@@ -73,8 +73,8 @@ std::vector<std::string> names_of(const Map& map) {
 /// issue with its place, and the building continues.
 class Builder {
 public:
-  Builder(const std::string& name, const d::Substructure& given)
-      : name_(name), given_(given), fe_(*given.finite_elements) {}
+  Builder(const std::string& name, const d::Substructure& given, const std::vector<std::string>& load_groups)
+      : name_(name), given_(given), fe_(*given.finite_elements), loaded_(load_groups) {}
 
   NamedElements build() {
     read_source();
@@ -84,9 +84,10 @@ public:
     add_masses();
     add_springs();
     add_links_and_supports();
+    auto load_groups = cells_of_load_groups();
     forget_groups_of_nodes();
     issues_.raise();
-    return {std::move(model_), std::move(nodes_), std::move(notes_)};
+    return {std::move(model_), std::move(nodes_), std::move(notes_), std::move(load_groups)};
   }
 
 private:
@@ -338,18 +339,28 @@ private:
         model_.fixed.push_back({name, nodes, chosen(fixed.directions)});
   }
 
-  /// Removes groups of cells that only name nodes for supports or links: they need no property.
+  [[nodiscard]] std::map<std::string, std::vector<Index>> cells_of_load_groups() const {
+    std::map<std::string, std::vector<Index>> groups;
+    for (const auto& group : loaded_)
+      if (const auto region = model_.mesh.regions.find(group); region != model_.mesh.regions.end())
+        groups.insert(*region);
+    return groups;
+  }
+
+  /// Removes groups of cells that only name nodes for supports, links or loads: they need no property.
   void forget_groups_of_nodes() {
     const auto forget = [&](const std::string& group) {
       if (!model_.properties.contains(group)) model_.mesh.regions.erase(group);
     };
     for (const auto& [name, link] : fe_.links) forget(link.nodes.value);
     for (const auto& [name, fixed] : fe_.fixed) forget(fixed.nodes.value);
+    for (const auto& group : loaded_) forget(group);
   }
 
   const std::string& name_;
   const d::Substructure& given_;
   const d::FiniteElements& fe_;
+  const std::vector<std::string>& loaded_;  ///< groups
   FiniteElementModel model_;
   std::vector<DeckNote> notes_;
   std::vector<NamedNode> nodes_;
@@ -359,8 +370,9 @@ private:
 
 }  // namespace
 
-NamedElements build_finite_elements(const std::string& name, const d::Substructure& given) {
-  return Builder(name, given).build();
+NamedElements build_finite_elements(const std::string& name, const d::Substructure& given,
+                                    const std::vector<std::string>& load_groups) {
+  return Builder(name, given, load_groups).build();
 }
 
 }  // namespace kalfem

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -15,12 +16,15 @@ struct NamedElements {
   FiniteElementModel elements;
   std::vector<NamedNode> nodes;
   std::vector<DeckNote> notes;
+  std::map<std::string, std::vector<Eigen::Index>> load_groups;  ///< cells of the groups that loads name
 };
 
 /// Reads the mesh or deck of a case's substructure and gives it materials, properties, masses, springs, links and
 /// supports.
+/// `load_groups`: groups of the mesh that loads act on; their cells need no property.
 /// Throws InvalidInput with every name that does not exist, each with its place.
-NamedElements build_finite_elements(const std::string& name, const description::Substructure& given);
+NamedElements build_finite_elements(const std::string& name, const description::Substructure& given,
+                                    const std::vector<std::string>& load_groups);
 
 /// Turns matrices of another code into a model without elements. Each node of that code becomes a node, at its
 /// coordinates or, if the case gives none, at the origin; NodalMatrices in SI join the nodes. Sets that name a degree

@@ -6,6 +6,7 @@
 #include "kalfem/model/linear_model.hpp"
 #include "kalfem/reduction/free_interface.hpp"
 #include "kalfem/study/finite_element_builder.hpp"
+#include "kalfem/study/statics_plan.hpp"
 
 namespace kalfem {
 namespace {
@@ -179,19 +180,21 @@ void add_grounds(const d::Substructure& given, LinearModel& model) {
 
 DescribedPart make_finite_element_part(const std::string& name, const d::Substructure& given,
                                        const std::vector<std::string>& attached,
-                                       const std::vector<std::string>& parameters) {
+                                       const std::vector<std::string>& parameters, const d::Statics* statics) {
   DescribedPart described;
   FiniteElementPart& part = described.part;
   part.name = name;
   part.damping = {{given.damping.mass_factor, given.damping.stiffness_factor},
                   {given.damping.modal, given.damping.modal_up_to}};
-  auto [elements, nodes, notes] = build_finite_elements(name, given);
+  auto [elements, nodes, notes, groups] = build_finite_elements(name, given, load_groups_of(statics));
   part.elements = std::move(elements);
   part.nodes = std::move(nodes);
+  part.load_groups = std::move(groups);
   described.notes = std::move(notes);
   const bool is_given = given.reduction && !given.reduction->value.boundary.empty();
   const auto boundary =
       is_given ? given_boundary(part, given.reduction->value) : attached_boundary(part, given, attached);
+  if (given.preload) part.preload_stiffness = preload_stiffness(part, *given.preload, statics);
   try {
     assemble_part(part, {.parameters = {parameters.begin(), parameters.end()}, .independent = all_dofs(boundary)});
     add_grounds(given, part.full);

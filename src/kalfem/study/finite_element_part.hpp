@@ -21,9 +21,10 @@ struct DescribedPart {
 /// touch ("p1.z"). Throws InvalidInput with every problem and its place.
 /// `parameters`: names of the parameters that will change, without the name of the substructure. Section parameters of
 /// beams stay separate only if they are named here.
+/// `statics`: the static load cases of this substructure, if it has some.
 DescribedPart make_finite_element_part(const std::string& name, const description::Substructure& given,
                                        const std::vector<std::string>& attached,
-                                       const std::vector<std::string>& parameters);
+                                       const std::vector<std::string>& parameters, const description::Statics* statics);
 
 /// The reduction that the case asks for; ReductionRequest states the defaults.
 ReductionRequest reduction_request(const std::optional<Located<description::Reduction>>& given);

@@ -56,6 +56,7 @@ private:
     };
     if (!part.finite_elements) {
       warn(below({"reduction"}), "the substructure has no finite elements");
+      warn(below({"preload"}), "the substructure has no finite elements");
       warn(below({"damping", "modal_up_to"}), "the substructure has no finite elements");
       return;
     }

@@ -11,7 +11,7 @@ namespace kalfem {
 
 StudyItem section_with_key(const std::string& key) {
   using enum StudyItem;
-  static constexpr std::array<std::pair<std::string_view, StudyItem>, 18> sections{{{"kalfem", version},
+  static constexpr std::array<std::pair<std::string_view, StudyItem>, 19> sections{{{"kalfem", version},
                                                                                     {"title", title},
                                                                                     {"substructures", substructures},
                                                                                     {"connectors", connectors},
@@ -28,6 +28,7 @@ StudyItem section_with_key(const std::string& key) {
                                                                                     {"modifications", modifications},
                                                                                     {"infer", infer},
                                                                                     {"place", place},
+                                                                                    {"static", statics},
                                                                                     {"report", report}}};
   const auto section = std::ranges::find(sections, key, [](const auto& entry) { return entry.first; });
   return section == sections.end() ? other_keys : section->second;

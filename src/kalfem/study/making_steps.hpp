@@ -30,6 +30,7 @@ enum class StudyItem {
   modifications,
   infer,
   place,
+  statics,
   report,
   other_keys,
   // results
@@ -51,7 +52,8 @@ enum class StudyItem {
   driven_comparisons,
   validation,
   inference,
-  placement
+  placement,
+  static_analysis
 };
 using StudyItems = std::vector<StudyItem>;
 

@@ -19,9 +19,15 @@
 #include "kalfem/study/structural_modifications.hpp"
 #include "kalfem/study/study_elements.hpp"
 #include "kalfem/study/updating_setup.hpp"
+#include "kalfem/study/written_units.hpp"
 #include "kalfem/yaml/case_reader.hpp"
 
 namespace kalfem {
+
+std::string Study::written_unit(const std::string& parameter) const {
+  const auto found = units.find(parameter);
+  return found == units.end() ? "" : found->second;
+}
 
 double Study::sample_rate() const {
   return record ? record->record.sample_rate : simulation ? simulation->sample_rate : 0.0;
@@ -83,11 +89,15 @@ class StudyMaker {
   using enum StudyItem;
 
 public:
-  StudyMaker(d::Case given, const std::string& file, const IssueList& found_by_reader)
-      : study_(planned_study(std::move(given), file)), steps_(study_.given.source, found_by_reader) {
+  StudyMaker(d::Case given, const std::string& file, const IssueList& found_by_reader, Progress progress = {})
+      : study_(planned_study(std::move(given), file)),
+        steps_(study_.given.source, found_by_reader),
+        progress_(std::move(progress)) {
     study_.structure = structure_;
     leave_out_unread_sections();
     study_.description = std::make_shared<const d::Case>(study_.given);
+    study_.files = study_.given.source.files();
+    study_.units = written_units(study_.given.source);
     step(component, {}, {"component"}, [&](IssueList& issues) { expand_component(study_.given, issues); });
   }
 
@@ -98,6 +108,7 @@ public:
     make_estimation();
     make_validation();
     make_inference();
+    make_statics();
     raise_in_line_order(steps_.issues());
     add_warnings();
     return std::move(study_);  // without the rest that only the making needs
@@ -108,7 +119,7 @@ private:
     step(agreement_of_sections, {other_keys, substructures, sensors}, {},
          [&](IssueList& issues) { check_sections(study_.given, issues); });
     step(elements, needs_of_elements(), {"substructures"},
-         [&](IssueList& issues) { add_finite_elements(*structure_, study_, issues); });
+         [&](IssueList& issues) { add_finite_elements(*structure_, study_, progress_, issues); });
     step(parts, {substructures, elements, component}, {"substructures"},
          [&](IssueList& issues) { structure_->parts = make_parts(study_.given, structure_->reduced_parts(), issues); });
     step(names, {substructures, elements}, {"substructures"}, [&](IssueList& issues) { check_names(issues); });
@@ -192,6 +203,12 @@ private:
     });
   }
 
+  void make_statics() {
+    step(static_analysis, {substructures, elements, statics}, {"static"}, [&](IssueList& issues) {
+      if (study_.given.statics) study_.statics = make_statics_plan(study_.given, *structure_, issues);
+    });
+  }
+
   void step(StudyItem result, StudyItems needs, std::vector<std::string> key,
             const std::function<void(IssueList&)>& make) {
     steps_.run({result, std::move(needs), std::move(key)}, make);
@@ -209,7 +226,7 @@ private:
   /// Finite elements are assembled for the points and parameters that other sections name.
   [[nodiscard]] StudyItems needs_of_elements() const {
     if (!has_finite_elements(study_.given)) return {substructures};
-    return {substructures, connectors, excitation, sensors, simulate, estimate, update, modifications};
+    return {substructures, connectors, excitation, sensors, simulate, estimate, update, modifications, statics};
   }
 
   /// Other problems of the excitation do not matter to its signals.
@@ -257,16 +274,17 @@ private:
   std::shared_ptr<StructureModel> structure_ = std::make_shared<StructureModel>();  ///< of the study, while it is made
   std::shared_ptr<const CoupledModel> start_;  ///< the model from which a prediction or an updating starts
   MakingSteps steps_;
+  Progress progress_;
 };
 
 }  // namespace
 
-Study load_study(const std::string& file, const std::vector<CaseChange>& changes) try {
+Study load_study(const std::string& file, const std::vector<CaseChange>& changes, const Progress& progress) try {
   IssueList issues;
   d::Case given =
       read_case_text(read_text_file(file), file, shared_case_schema(), issues, process_environment(), changes);
   if (given.source.empty()) raise_in_line_order(issues);
-  return StudyMaker(std::move(given), file, issues).make();
+  return StudyMaker(std::move(given), file, issues, progress).make();
 } catch (const InvalidInput& error) {
   if (changes.empty()) throw;
   throw InvalidInput(with_changes_named(error.issues(), changes));

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <memory>
 
+#include "kalfem/base/progress.hpp"
 #include "kalfem/formats/deck.hpp"
 #include "kalfem/identification/updating_setup.hpp"
 #include "kalfem/records/record_preparation.hpp"
@@ -10,6 +12,7 @@
 #include "kalfem/study/inference_plan.hpp"
 #include "kalfem/study/placement_plan.hpp"
 #include "kalfem/study/run_plan.hpp"
+#include "kalfem/study/statics_plan.hpp"
 #include "kalfem/study/validation_plan.hpp"
 #include "kalfem/yaml/case_changes.hpp"
 
@@ -30,6 +33,8 @@ struct Study {
   std::string title, file;
   std::string resolved_case;                             ///< the case with all its defaults, as YAML
   std::shared_ptr<const description::Case> description;  ///< the case as it was read
+  std::vector<std::filesystem::path> files;              ///< that the case names: records, decks, tables
+  std::map<std::string, std::string> units;              ///< in which it states its parameters, see written_units()
   StructurePtr structure;
   std::vector<ElementNotes> element_notes;  ///< one per finite-element substructure
   double reduce_seconds = 0.0;
@@ -47,14 +52,17 @@ struct Study {
   std::vector<StructuralModification> modifications;
   std::optional<InferencePlan> inference;  ///< if the case has `infer`
   std::optional<PlacementPlan> placement;  ///< if the case has `place`
+  std::optional<StaticsPlan> statics;      ///< if the case has `static`
   ReportPlan report;
   std::vector<std::string> warnings;  ///< settings that are allowed but are probably a mistake
 
   [[nodiscard]] double sample_rate() const;
+  /// The unit in which the case states a parameter; empty where it states none.
+  [[nodiscard]] std::string written_unit(const std::string& parameter) const;
 };
 
 /// Reads a case file, with some of its keys changed. Throws InvalidInput with every problem found in it and in the
-/// files it names.
-Study load_study(const std::string& file, const std::vector<CaseChange>& changes = {});
+/// files it names. Only finite-element substructures take time: `progress` shows them, "reduce 1 of 4".
+Study load_study(const std::string& file, const std::vector<CaseChange>& changes = {}, const Progress& progress = {});
 
 }  // namespace kalfem

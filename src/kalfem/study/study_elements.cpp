@@ -7,6 +7,7 @@
 #include "kalfem/study/assembly.hpp"
 #include "kalfem/study/candidate_nodes.hpp"
 #include "kalfem/study/finite_element_part.hpp"
+#include "kalfem/study/statics_plan.hpp"
 
 namespace kalfem {
 namespace {
@@ -89,13 +90,21 @@ std::optional<FrequencyBand> excitation_band(const d::Case& given) {
   return band.to > band.from ? std::optional(band) : std::nullopt;
 }
 
-void add_finite_elements(StructureModel& structure, CaseStudy& study, IssueList& issues) {
+void add_finite_elements(StructureModel& structure, CaseStudy& study, const Progress& progress, IssueList& issues) {
   const Stopwatch watch;
+  const auto all = std::ranges::count_if(study.given.substructures,
+                                         [](const auto& each) { return each.second.finite_elements.has_value(); });
+  std::ptrdiff_t done = 0;
   for (const auto& [name, given] : study.given.substructures) {
     if (!given.finite_elements) continue;
+    if (progress)
+      progress("reduce " + std::to_string(done + 1) + " of " + std::to_string(all),
+               static_cast<double>(done) / static_cast<double>(all));
+    ++done;
     try {
-      auto [part, notes, warnings] = make_finite_element_part(name, given, attached_points(study.given, name),
-                                                              changing_parameters(study.given, name));
+      auto [part, notes, warnings] =
+          make_finite_element_part(name, given, attached_points(study.given, name),
+                                   changing_parameters(study.given, name), statics_of(study.given, name));
       study.element_notes.push_back({name, std::move(notes)});
       warn_of_notes(study.element_notes.back(), study.warnings);
       for (const auto& warning : warnings) study.warnings.push_back("substructure '" + name + "': " + warning);

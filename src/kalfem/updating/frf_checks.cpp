@@ -26,7 +26,7 @@ constexpr double least_octaves = 1.0;     ///< width of the lines that tells a p
 std::string title(const MeasuredFrf& frf) { return "FRF '" + frf.name + "'"; }
 
 void check_response(const MeasuredFrf& frf, const FrfResidualOptions& options, IssueList& issues) {
-  const auto& [lines, outputs, values, deviations, magnitudes_only] = frf.response;
+  const auto& [lines, outputs, values, deviations, magnitudes_only, coherence] = frf.response;
   if (values.rows() != lines.size() || values.cols() != static_cast<Index>(frf.set.outputs.size()))
     issues.add({},
                fmt::format("{} has {} x {} values for {} lines and {} points", title(frf), values.rows(), values.cols(),

@@ -74,6 +74,7 @@ FrequencyResponse selected(const FrequencyResponse& response, const std::vector<
   FrequencyResponse selected{
       response.lines(kept), response.outputs, response.values(kept, Eigen::all), {}, response.magnitudes_only};
   if (response.deviations.size() > 0) selected.deviations = response.deviations(kept, Eigen::all);
+  if (response.coherence.size() > 0) selected.coherence = response.coherence(kept, Eigen::all);
   return selected;
 }
 
@@ -219,7 +220,7 @@ std::optional<ResidualValue> FrfResidual::evaluate(const VectorXd& parameters, b
     ++row;
   };
   for (std::size_t i = 0; i < compared_.size(); ++i) {
-    const auto& [lines, outputs, values, deviations, magnitudes_only] = compared_[i];
+    const auto& [lines, outputs, values, deviations, magnitudes_only, coherence] = compared_[i];
     const Index first = row;
     for (Index k = 0; k < lines.size(); ++k) {
       const FrfLine line = evaluation.at(i, laplace_variable(lines[k]));

@@ -407,10 +407,10 @@ std::optional<MatrixXd> ModalResidual::jacobian(const Solution& solution, const 
   return jacobian;
 }
 
-std::vector<PairedMode> ModalResidual::compare(const VectorXd& parameters) const {
+ModePairing ModalResidual::compare(const VectorXd& parameters) const {
   const Solution solution = solve(parameters);
   const auto found = pairs(solution, 0.0);
-  std::vector<PairedMode> table;
+  ModePairing comparison{{}, solution.frequencies(skip_), agreement(solution)};
   for (std::size_t i = 0; i < found.size(); ++i) {
     const double measured = measured_[i].frequency, error = found[i].frequency_difference;
     PairedMode row{i, {}, measured, measured * (1.0 + error), error, found[i].mac};
@@ -418,9 +418,9 @@ std::vector<PairedMode> ModalResidual::compare(const VectorXd& parameters) const
       row.model_mode = static_cast<int>(*mode) + 1;
       if (measured_[i].shape.size() > 0) row.mac = fit_shape(i, solution, solution.group_of(skip_ + *mode)).mac;
     }
-    table.push_back(row);
+    comparison.pairs.push_back(row);
   }
-  return table;
+  return comparison;
 }
 
 }  // namespace kalfem

@@ -41,6 +41,13 @@ struct PairedMode {
   double mac = 0.0;                    ///< with the measured shape; without one, with the shape at the start
 };
 
+/// All measured modes beside those of the model.
+struct ModePairing {
+  std::vector<PairedMode> pairs;  ///< one a measured mode
+  Eigen::VectorXd frequencies;    ///< of the model's elastic modes [Hz]
+  Eigen::MatrixXd mac;            ///< measured x elastic modes; as PairedMode::mac where no shape was measured
+};
+
 /// Natural frequencies and mode shapes against measured ones:
 ///     (f_model - f_measured) / deviation                                one a measured mode, in the given order,
 ///     (P Phi c - phi_measured) / (shape_deviation max |phi_measured|)   then the points of those with a shape,
@@ -67,8 +74,8 @@ public:
   [[nodiscard]] std::optional<ResidualValue> evaluate(const Eigen::VectorXd& parameters,
                                                       bool with_jacobian) const override;
 
-  /// The pairs at these parameters, one a measured mode. Throws InvalidInput where the model has no modes there.
-  [[nodiscard]] std::vector<PairedMode> compare(const Eigen::VectorXd& parameters) const;
+  /// At these parameters. Throws InvalidInput where the model has no modes there.
+  [[nodiscard]] ModePairing compare(const Eigen::VectorXd& parameters) const;
   [[nodiscard]] const std::vector<MeasuredMode>& measured() const { return measured_; }
   [[nodiscard]] Eigen::Index skipped() const { return skip_; }  ///< lowest modes that are not elastic ones
 

@@ -41,7 +41,7 @@ void raise_in_line_order(const IssueList& issues);
 template <class T>
 T read_case_text(const std::string& text, const std::string& file, const Schema<T>& schema, IssueList& issues,
                  const Environment& environment = process_environment(), const std::vector<CaseChange>& changes = {}) {
-  ReadContext context{file, std::filesystem::path(file).parent_path(), {}};
+  ReadContext context{file, std::filesystem::path(file).parent_path(), {}, {}};
   T value{};
   try {
     const YamlNodePtr root = changed(parse_yaml(text, file, environment, context.issues), changes);

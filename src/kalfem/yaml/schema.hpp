@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/yaml/json_schema.hpp"
@@ -16,6 +17,7 @@ struct ReadContext {
   std::string file;
   std::filesystem::path folder;  ///< paths in the file are relative to it
   IssueList issues;
+  std::vector<std::filesystem::path> files = {};  ///< that the case names and that are there, in its order
 };
 
 /// A value in the case file with its line and its path ("connectors.suspension.law").
@@ -30,6 +32,8 @@ public:
   [[nodiscard]] SourceLocation location() const { return {context_->file, line_}; }
   [[nodiscard]] const std::filesystem::path& folder() const { return context_->folder; }
   [[nodiscard]] std::size_t issue_count() const { return context_->issues.issues().size(); }
+  [[nodiscard]] const std::vector<std::filesystem::path>& files() const { return context_->files; }
+  void add_file(const std::filesystem::path& file) const { context_->files.push_back(file); }
 
   [[nodiscard]] CaseNode at(const YamlEntry& entry) const;
   [[nodiscard]] CaseNode item(std::size_t index) const;  ///< path "bands[2]", counted from 0

@@ -145,7 +145,10 @@ Schema<std::filesystem::path> path(bool existing) {
     if (!node.require(YamlNode::Kind::scalar, "a file name")) return false;
     std::error_code error;
     file = fs::absolute(node.folder() / node.yaml().text, error).lexically_normal();
-    if (!node.yaml().text.empty() && (!existing || fs::is_regular_file(file, error))) return true;
+    if (!node.yaml().text.empty() && (!existing || fs::is_regular_file(file, error))) {
+      if (existing) node.add_file(file);
+      return true;
+    }
     node.issue("no file '" + file.string() + "'", "", "paths are relative to the case file");
     return false;
   };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <set>
 #include <string>
@@ -56,7 +57,8 @@ std::string to_yaml(const YamlNode& root);
 class CaseSource {
 public:
   CaseSource() = default;
-  CaseSource(std::string file, YamlNodePtr root) : file_(std::move(file)), root_(std::move(root)) {}
+  CaseSource(std::string file, YamlNodePtr root, std::vector<std::filesystem::path> files = {})
+      : file_(std::move(file)), root_(std::move(root)), files_(std::move(files)) {}
 
   /// Place of the key at that path ({"estimate", "unknown"}), or of the innermost key above it that the file gives.
   /// Without a line if the case was not read from a file.
@@ -67,12 +69,15 @@ public:
   [[nodiscard]] bool empty() const { return !root_; }
   /// The document that the file holds; null if there is none.
   [[nodiscard]] const YamlNodePtr& root() const { return root_; }
+  /// The files that the case names: records, decks, tables.
+  [[nodiscard]] const std::vector<std::filesystem::path>& files() const { return files_; }
   /// The top-level keys with an issue at one of their lines.
   [[nodiscard]] std::set<std::string> sections_of(const std::vector<Issue>& issues) const;
 
 private:
   std::string file_;
   YamlNodePtr root_;
+  std::vector<std::filesystem::path> files_;
 };
 
 }  // namespace kalfem

@@ -32,6 +32,30 @@ test("charts of one value or none are drawn", async () => {
   assertQuiet(page);
 });
 
+test("charts that are folded away are drawn when they are opened", async () => {
+  const page = await open(browser, "folded.html");
+  assert.equal((await tally(page)).charts, "1");
+  await page.click("summary:text-is('more')");
+  await page.waitForFunction(() => document.body.dataset.charts === "3");
+  await drag(page, "open", 0.25, 0.5);
+  close((await shownTimes(page, "second"))[0], 5, 0.05);
+  assertQuiet(page);
+});
+
+test("a link to a folded chart opens it", async () => {
+  const page = await open(browser, "folded.html", {hash: "#chart-second@12.5"});
+  assert.equal((await tally(page)).charts, "3");
+  const [from, to] = await shownTimes(page, "second");
+  assert.ok(from < 12.5 && 12.5 < to);
+  assertQuiet(page);
+});
+
+test("folded charts are printed", async () => {
+  const page = await open(browser, "folded.html");
+  await page.pdf({format: "A4"});
+  assert.equal((await tally(page)).charts, "3");
+});
+
 test("a drag zooms all charts over time, a double click shows everything", async () => {
   const page = await open(browser, "charts.html");
   await drag(page, "p5", 0.25, 0.5);

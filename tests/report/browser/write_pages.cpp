@@ -18,6 +18,23 @@ Page structure_page() {
   return page;
 }
 
+/// One chart in sight, the same twice folded away.
+Page folded_page() {
+  Chart chart{.id = "open",
+              .title = "open",
+              .x_label = "time [s]",
+              .y_label = "y",
+              .x = {0, 10, 20},
+              .series = {{.label = "a", .y = {1, 3, 2}}}};
+  Page page{.title = "Folded", .sections = {{"Charts", "", {chart}}}};
+  chart.fold = "more";
+  for (const char* name : {"first", "second"}) {
+    chart.id = chart.title = name;
+    page.sections[0].items.emplace_back(chart);
+  }
+  return page;
+}
+
 /// Charts of one value, of none, and of a gap alone.
 Page meagre_page() {
   const Series gap{.label = "gap", .y = {std::nan("")}}, none{.label = "none"},
@@ -41,6 +58,7 @@ int main(int count, char** arguments) {
   std::filesystem::create_directories(folder);
   for (const auto& [name, page] : {std::pair{"charts.html", kalfem::sample_page()},
                                    {"structure.html", kalfem::structure_page()},
+                                   {"folded.html", kalfem::folded_page()},
                                    {"meagre.html", kalfem::meagre_page()}})
     std::ofstream(folder / name) << kalfem::render_html(page);
 }

@@ -33,20 +33,28 @@ BeamProfile put_together(const std::vector<Plate>& plates) {
     profile.i11 += area * (plate.along_2 * plate.along_2 / 12.0 + arm.y() * arm.y());
     profile.i22 += area * (plate.along_1 * plate.along_1 / 12.0 + arm.x() * arm.x());
     profile.i12 += area * arm.x() * arm.y();
+    if (plate.sign > 0.0)
+      for (const double x : {-0.5, 0.5})
+        for (const double y : {-0.5, 0.5})
+          profile.outline.corners.emplace_back(arm + Eigen::Vector2d(x * plate.along_1, y * plate.along_2));
   }
   profile.shear_centre = profile.centroid;
   return profile;
 }
 
 BeamProfile symmetric(const BeamSection& section) {
-  return {section.area,           section.inertia_z,     0.0, section.inertia_y, section.torsion,
-          section.shear_factor_z, section.shear_factor_y};
+  BeamProfile profile{section.area,           section.inertia_z,     0.0, section.inertia_y, section.torsion,
+                      section.shear_factor_z, section.shear_factor_y};
+  for (const auto& corner : section.outline.corners) profile.outline.corners.emplace_back(corner.y(), -corner.x());
+  profile.outline.radius = section.outline.radius;
+  return profile;
 }
 
 /// Axes d1 and d2 of an ellipse; J of [TG70].
 BeamProfile ellipse(double d1, double d2, double poissons_ratio) {
   constexpr double pi = std::numbers::pi;
   BeamProfile profile = symmetric(circular_section(std::sqrt(d1 * d2), poissons_ratio));
+  if (d1 != d2) profile.outline = {};
   profile.area = pi * d1 * d2 / 4.0;
   profile.i11 = pi * d1 * std::pow(d2, 3) / 64.0;
   profile.i22 = pi * d2 * std::pow(d1, 3) / 64.0;
@@ -149,6 +157,8 @@ std::optional<BeamProfile> beam_profile(const std::string& shape, const std::vec
 
 BeamSection section_of(const BeamProfile& profile) {
   const Eigen::Vector2d centroid = profile.centroid - profile.shear_centre;
+  SectionOutline outline{.corners = {}, .radius = profile.outline.radius};
+  for (const auto& corner : profile.outline.corners) outline.corners.emplace_back(-corner.y(), corner.x());
   return {.area = profile.area,
           .inertia_y = profile.i22,
           .inertia_z = profile.i11,
@@ -156,7 +166,8 @@ BeamSection section_of(const BeamProfile& profile) {
           .shear_factor_y = profile.shear_2,
           .shear_factor_z = profile.shear_1,
           .product_yz = -profile.i12,
-          .centroid = {-centroid.y(), centroid.x()}};
+          .centroid = {-centroid.y(), centroid.x()},
+          .outline = std::move(outline)};
 }
 
 }  // namespace kalfem::abaqus

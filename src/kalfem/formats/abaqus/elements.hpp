@@ -18,6 +18,7 @@ struct BeamProfile {
   double shear_1 = 0.0, shear_2 = 0.0;  ///< shear area / A for forces along 1 and 2; 0: shear rigid
   Eigen::Vector2d centroid = Eigen::Vector2d::Zero();
   Eigen::Vector2d shear_centre = Eigen::Vector2d::Zero();
+  SectionOutline outline = {};  ///< corners by axes 1 and 2, from the centroid
 };
 
 /// The profile of SECTION=shape from the numbers of its data line: RECT, CIRC, PIPE, BOX, I, L, GENERAL. Shear factors

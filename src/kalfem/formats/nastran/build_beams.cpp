@@ -17,6 +17,7 @@ BeamSection section_of(const SectionCard& card, double shear_ratio) {
   section.shear_factor_y = card.k1 * shear_ratio;
   section.shear_factor_z = card.k2 * shear_ratio;
   section.centroid = card.neutral_axis;
+  section.outline = card.outline;
   return section;
 }
 

@@ -13,6 +13,7 @@
 
 #include "kalfem/formats/nastran/card.hpp"
 #include "kalfem/model/mesh/mesh.hpp"
+#include "kalfem/model/mesh/properties.hpp"
 
 namespace kalfem::nastran {
 
@@ -189,6 +190,7 @@ struct SectionCard {
   double k1 = 0.0, k2 = 0.0;                                       ///< 0: rigid in shear
   Eigen::Vector2d neutral_axis = Eigen::Vector2d::Zero();          ///< N1, N2
   Eigen::Vector2d nonstructural_centre = Eigen::Vector2d::Zero();  ///< M1, M2
+  SectionOutline outline = {};                                     ///< of usual shapes
 };
 struct RodSection {
   Id material = 0;

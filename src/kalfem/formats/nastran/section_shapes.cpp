@@ -153,6 +153,10 @@ SectionCard section_of(const OpenSection& open) {
   section.k1 = (along_z > 0.0 ? along_y : 5.0 / 6.0 * along_y) / moments.area;
   section.k2 = 5.0 / 6.0 * along_z / moments.area;
   section.neutral_axis = moments.centroid - shear_centre(open.walls);
+  for (const auto& part : open.rectangles)
+    for (const double y : {-0.5, 0.5})
+      for (const double z : {-0.5, 0.5})
+        section.outline.corners.push_back(part.middle + Point(y * part.height, z * part.width) - moments.centroid);
   return section;
 }
 
@@ -165,6 +169,8 @@ SectionCard section_of(const BeamSection& solid) {
   section.torsion = solid.torsion;
   section.k1 = solid.shear_factor_z;
   section.k2 = solid.shear_factor_y;
+  for (const auto& corner : solid.outline.corners) section.outline.corners.push_back(corner.reverse());
+  section.outline.radius = solid.outline.radius;
   return section;
 }
 

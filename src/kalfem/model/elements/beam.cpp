@@ -1,4 +1,4 @@
-#include "kalfem/model/elements/beam.hpp"
+#include "kalfem/model/elements/beam_forces.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,6 +8,7 @@ namespace kalfem {
 namespace {
 
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
+using Vector12 = Eigen::Matrix<double, 12, 1>;
 using Row = Eigen::Matrix<double, 1, 12>;
 using Pair = Eigen::Matrix<double, 2, 12>;  ///< [v, w], or the slopes [theta_z, -theta_y], from the motions of the ends
 
@@ -62,6 +63,13 @@ public:
     return (1.0 - s) * slopes_of_end(0) + s * slopes_of_end(6) + 6.0 / length_ * s * (s - 1.0) * share_ * sway();
   }
 
+  /// Slopes of the deflections, which differ from the turns of the section by the shear strain.
+  [[nodiscard]] Pair deflection_slopes(double s) const {
+    return (deflections_of_end(6) - deflections_of_end(0)) / length_ +
+           0.5 * (1.0 - 2.0 * s) * (slopes_of_end(0) - slopes_of_end(6)) +
+           2.0 / length_ * (3.0 * s * (s - 1.0) + 0.5) * share_ * sway();
+  }
+
 private:
   /// Ends out of line with their mean slope.
   [[nodiscard]] Pair sway() const {
@@ -91,9 +99,9 @@ Matrix12 in_plane(const Matrix12& bending, int deflection, int slope) {
   return plane;
 }
 
-/// One part of the stiffness per unit E, in the motions of the line's ends.
-Matrix12 local_stiffness(BeamPart part, const BeamSection& section, const Bending& bending, double length,
-                         double poissons_ratio) {
+/// One part of the stiffness per unit E, in the motions of the line's ends with u at the centroid.
+Matrix12 centroid_stiffness(BeamPart part, const BeamSection& section, const Bending& bending, double length,
+                            double poissons_ratio) {
   Matrix12 stiffness = Matrix12::Zero();
   const bool whole = part == BeamPart::none || part == BeamPart::stiffness;
   if (whole || part == BeamPart::bending) stiffness = bending.stiffness();
@@ -103,8 +111,14 @@ Matrix12 local_stiffness(BeamPart part, const BeamSection& section, const Bendin
   const double torsion = section.torsion / (2.0 * (1.0 + poissons_ratio) * length);
   if (whole || part == BeamPart::axial) add_pair(stiffness, 0, axial, -axial);
   if (whole || part == BeamPart::torsion) add_pair(stiffness, 3, torsion, -torsion);
+  return stiffness;
+}
+
+/// The same in the motions of the line's ends.
+Matrix12 local_stiffness(BeamPart part, const BeamSection& section, const Bending& bending, double length,
+                         double poissons_ratio) {
   const Matrix12 transform = axial_at_centroid(section.centroid);
-  return transform.transpose() * stiffness * transform;
+  return transform.transpose() * centroid_stiffness(part, section, bending, length, poissons_ratio) * transform;
 }
 
 /// Second moments of the section that turn with the slopes: of the planes that are soft in shear.
@@ -122,12 +136,13 @@ struct LineMass {
   Eigen::Matrix2d rotary = Eigen::Matrix2d::Zero();
 };
 
-/// By the Gauss rule of four points: exact for the products of cubics.
+// Gauss's rule of four points on [-1, 1]: exact for the products of cubics.
+constexpr std::array<double, 4> places = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
+                                          0.8611363115940526};
+constexpr std::array<double, 4> weights = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
+                                           0.3478548451374538};
+
 Matrix12 consistent_mass(const LineMass& line, const BeamSection& section, const Bending& bending, double l) {
-  constexpr std::array<double, 4> places = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
-                                            0.8611363115940526};
-  constexpr std::array<double, 4> weights = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
-                                             0.3478548451374538};
   const Eigen::Vector2d from_centroid = line.place - section.centroid;
   Matrix12 mass = Matrix12::Zero();
   for (std::size_t i = 0; i < places.size(); ++i) {
@@ -216,6 +231,42 @@ Matrix12 node_to_line(const Eigen::Matrix3d& axes, const Eigen::Matrix<double, 3
   return transform;
 }
 
+/// A beam between its line's ends, with what carries it to the nodes.
+struct PlacedBeam {
+  double length = 0.0;
+  Eigen::Matrix3d axes;   ///< rows: local x, y, z
+  Matrix12 to_line;       ///< motions of the line's ends in local axes from those of the nodes in global ones
+  Matrix12 not_released;  ///< of the line's ends that leave released motions without force, from these
+
+  PlacedBeam(const Eigen::Matrix<double, 3, 2>& ends, const BeamSection& section, const BeamPlacement& placement,
+             double poissons_ratio) {
+    const Eigen::Matrix<double, 3, 2> line = ends + placement.offsets;
+    const Eigen::Vector3d along = line.col(1) - line.col(0);
+    length = along.norm();
+    if (!(length > 1e-12 * line.cwiseAbs().maxCoeff()))
+      throw ElementShapeError("its ends coincide: the length is zero");
+    axes = local_axes(along, placement.up);
+    to_line = node_to_line(axes, placement.offsets);
+    const Bending bending(section, length, poissons_ratio);
+    const Matrix12 stiffness = local_stiffness(BeamPart::none, section, bending, length, poissons_ratio);
+    not_released = without_released(stiffness, placement.released, length);
+  }
+};
+
+Matrix12 line_mass(const LineMass& mass, const BeamSection& section, const Bending& bending, double length,
+                   MassKind mass_kind) {
+  return mass_kind == MassKind::consistent ? consistent_mass(mass, section, bending, length)
+                                           : lumped_mass(mass, length);
+}
+
+/// Of the section itself, per unit density.
+LineMass section_mass(const BeamSection& section) {
+  return {section.area, section.centroid, section.inertia_y + section.inertia_z, rotary_section(section)};
+}
+LineMass nonstructural_mass(const BeamProperty& property) {
+  return {.amount = property.nonstructural_mass, .place = property.nonstructural_centre};
+}
+
 }  // namespace
 
 const char* to_string(BeamPart part) {
@@ -236,34 +287,80 @@ ElementMatrices beam(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty
                      const BeamPlacement& placement, double poissons_ratio, MassKind mass_kind,
                      const std::vector<BeamPart>& parts) {
   const BeamSection& section = property.section;
-  const Eigen::Matrix<double, 3, 2> line = ends + placement.offsets;
-  const Eigen::Vector3d along = line.col(1) - line.col(0);
-  const double length = along.norm();
-  if (!(length > 1e-12 * line.cwiseAbs().maxCoeff())) throw ElementShapeError("its ends coincide: the length is zero");
-  const Bending bending(section, length, poissons_ratio);
-  const auto stiffness_of = [&](BeamPart part) {
-    return local_stiffness(part, section, bending, length, poissons_ratio);
-  };
-  const Matrix12 transform = without_released(stiffness_of(BeamPart::none), placement.released, length) *
-                             node_to_line(local_axes(along, placement.up), placement.offsets);
+  const PlacedBeam placed(ends, section, placement, poissons_ratio);
+  const Bending bending(section, placed.length, poissons_ratio);
+  const Matrix12 transform = placed.not_released * placed.to_line;
   const auto to_nodes = [&](const Matrix12& local) -> Eigen::MatrixXd {
     const Matrix12 global = transform.transpose() * local * transform;
     return 0.5 * (global + global.transpose());
   };
+  const auto stiffness_of = [&](BeamPart part) {
+    return local_stiffness(part, section, bending, placed.length, poissons_ratio);
+  };
   const auto mass_of = [&](const LineMass& mass) {
-    return to_nodes(mass_kind == MassKind::consistent ? consistent_mass(mass, section, bending, length)
-                                                      : lumped_mass(mass, length));
+    return to_nodes(line_mass(mass, section, bending, placed.length, mass_kind));
   };
   ElementMatrices matrices;
   for (const auto part : parts)
     matrices.stiffness.push_back({{.youngs_modulus = 1, .part = part}, to_nodes(stiffness_of(part))});
-  matrices.mass = {
-      {{.density = 1},
-       mass_of({section.area, section.centroid, section.inertia_y + section.inertia_z, rotary_section(section)})}};
-  if (property.nonstructural_mass != 0.0)
-    matrices.mass.push_back(
-        {{}, mass_of({.amount = property.nonstructural_mass, .place = property.nonstructural_centre})});
+  matrices.mass = {{{.density = 1}, mass_of(section_mass(section))}};
+  if (property.nonstructural_mass != 0.0) matrices.mass.push_back({{}, mass_of(nonstructural_mass(property))});
   return matrices;
+}
+
+// With q the motions of the line's ends and f_0 the loads between them, the ends carry K q - f_0. The line's forces act
+// at the shear centre; those of the section are counted with the axial force at the centroid, by the inverse transform.
+std::array<SectionForces, 2> beam_forces(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty& property,
+                                         const BeamPlacement& placement, const IsotropicMaterial& material,
+                                         MassKind mass_kind, const Eigen::VectorXd& motions,
+                                         const Eigen::Vector3d& acceleration) {
+  const BeamSection& section = property.section;
+  const PlacedBeam placed(ends, section, placement, material.poissons_ratio);
+  const Bending bending(section, placed.length, material.poissons_ratio);
+  const Vector12 line_motions = placed.not_released * (placed.to_line * motions);
+  Vector12 line_acceleration = Vector12::Zero();
+  for (const int end : {0, 6}) line_acceleration.segment<3>(end) = placed.axes * acceleration;
+  const auto mass_of = [&](const LineMass& mass) {
+    return line_mass(mass, section, bending, placed.length, mass_kind);
+  };
+  Matrix12 mass = material.density * mass_of(section_mass(section));
+  if (property.nonstructural_mass != 0.0) mass += mass_of(nonstructural_mass(property));
+  const Vector12 loads = placed.not_released.transpose() * (mass * line_acceleration);
+  const Vector12 elastic =
+      material.youngs_modulus *
+      centroid_stiffness(BeamPart::none, section, bending, placed.length, material.poissons_ratio) *
+      (axial_at_centroid(section.centroid) * line_motions);
+  const Vector12 forces = elastic - axial_at_centroid(-section.centroid).transpose() * loads;
+  return {SectionForces(-forces.head<6>()), SectionForces(forces.tail<6>())};
+}
+
+Eigen::MatrixXd beam_geometric_stiffness(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty& property,
+                                         const BeamPlacement& placement, double poissons_ratio, double axial_force) {
+  const PlacedBeam placed(ends, property.section, placement, poissons_ratio);
+  const Bending bending(property.section, placed.length, poissons_ratio);
+  Matrix12 local = Matrix12::Zero();
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Pair slopes = bending.deflection_slopes(0.5 * (1.0 + places[i]));
+    local += 0.5 * placed.length * weights[i] * axial_force * slopes.transpose() * slopes;
+  }
+  const Matrix12 transform = placed.not_released * placed.to_line;
+  return transform.transpose() * local * transform;
+}
+
+// sigma = N / A + a y + b z with M_y = int z sigma dA and M_z = -int y sigma dA.
+std::optional<FibreStress> fibre_stress(const SectionForces& forces, const BeamSection& section) {
+  const auto& [corners, radius] = section.outline;
+  if (corners.empty() && radius == 0.0) return std::nullopt;
+  const Eigen::Matrix2d moments{{section.product_yz, section.inertia_y}, {-section.inertia_z, -section.product_yz}};
+  const Eigen::Vector2d slope = moments.inverse() * forces.tail<2>();
+  const double axial = forces[0] / section.area;
+  if (corners.empty()) return FibreStress{axial - radius * slope.norm(), axial + radius * slope.norm()};
+  FibreStress stress{axial + slope.dot(corners.front()), axial + slope.dot(corners.front())};
+  for (const auto& corner : corners) {
+    stress.lowest = std::min(stress.lowest, axial + slope.dot(corner));
+    stress.highest = std::max(stress.highest, axial + slope.dot(corner));
+  }
+  return stress;
 }
 
 }  // namespace kalfem

@@ -1,7 +1,8 @@
-#include "kalfem/model/elements/shell.hpp"
-
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+
+#include "kalfem/model/elements/shell_strains.hpp"
 
 namespace kalfem {
 
@@ -89,6 +90,18 @@ ElementMatrices laminate(const Eigen::Matrix3Xd& corners, const LaminateProperty
                          const Eigen::Vector3d& direction, MassKind mass_kind) {
   return corners.cols() == 3 ? shell3(corners, property, direction, mass_kind)
                              : shell4(corners, property, direction, mass_kind);
+}
+
+Eigen::VectorXd moved_by_arms(Eigen::VectorXd motions, const Eigen::Matrix3Xd& arms) {
+  for (Eigen::Index i = 0; i < arms.cols(); ++i)
+    motions.segment<3>(6 * i) += motions.segment<3>(6 * i + 3).cross(arms.col(i));
+  return motions;
+}
+
+ShellStrains shell_strains(const Eigen::Matrix3Xd& corners, const ShellStiffness& section, double offset,
+                           const Eigen::Vector3d& direction, const Eigen::VectorXd& motions) {
+  return corners.cols() == 3 ? shell3_strains(corners, section, offset, direction, motions)
+                             : shell4_strains(corners, section, offset, direction, motions);
 }
 
 }  // namespace kalfem

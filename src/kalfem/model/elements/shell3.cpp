@@ -1,8 +1,8 @@
-#include "kalfem/model/elements/shell.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "kalfem/model/elements/shell_strains.hpp"
 
 namespace kalfem {
 namespace {
@@ -108,17 +108,21 @@ double linear_share(const Eigen::Matrix3d& a) {
   return std::max(256.0 * a.determinant() / w - 1.5, 0.01);
 }
 
+/// Strains that the hierarchical rotations bring in the middle of a side, per motion of the corners.
+Eigen::Matrix<double, 3, 9> linear_strains(const Triangle& triangle, int side) {
+  return strains_along_sides(triangle).inverse() * bending_strains_along_sides(triangle, side) *
+         hierarchical_rotations(triangle);
+}
+
 /// [u_x u_y theta_z] of each corner: the optimal membrane triangle [Fel03],
 ///     K = L A L^T / area + 3/4 b_0 area T^T (sum over the sides of Q^T A_s Q) T,
 /// which is exact for bending in the plane of two isotropic triangles that make a rectangle.
 Matrix9 membrane_stiffness(const Triangle& triangle, const Eigen::Matrix3d& membrane) {
-  const Eigen::Matrix3d from_sides = strains_along_sides(triangle).inverse();
-  const Eigen::Matrix<double, 3, 9> hierarchical = hierarchical_rotations(triangle);
   const Eigen::Matrix<double, 9, 3> forces = lumping(triangle);
   Matrix9 stiffness = forces * membrane * forces.transpose() / triangle.area;
   const double share = 0.75 * linear_share(membrane) * triangle.area;
   for (int side = 0; side < 3; ++side) {
-    const Eigen::Matrix<double, 3, 9> strains = from_sides * bending_strains_along_sides(triangle, side) * hierarchical;
+    const Eigen::Matrix<double, 3, 9> strains = linear_strains(triangle, side);
     stiffness += share * strains.transpose() * membrane * strains;
   }
   return stiffness;
@@ -203,20 +207,28 @@ std::array<GaussPoint, 7> gauss_points() {
           {b, 1.0 - 2.0 * b, near_corner}};
 }
 
-/// [w b_x b_y] of each corner, the bubble condensed.
-Matrix9 flexure_stiffness(const Triangle& triangle, const ShellStiffness& section) {
-  const Flexure flexure(triangle);
+/// With the motions of the bubble.
+Matrix11 full_flexure_stiffness(const Flexure& flexure, double area, const ShellStiffness& section) {
   Matrix11 stiffness = Matrix11::Zero();
   for (const auto& [r, s, weight] : gauss_points()) {
     const auto curvatures = flexure.curvatures(r, s);
     const auto sheared = flexure.assumed_shear(r, s);
     stiffness +=
-        weight * triangle.area *
+        weight * area *
         (curvatures.transpose() * section.bending * curvatures + sheared.transpose() * section.shear * sheared);
   }
-  return stiffness.topLeftCorner<9, 9>() - stiffness.topRightCorner<9, 2>() *
-                                               stiffness.bottomRightCorner<2, 2>().inverse() *
-                                               stiffness.bottomLeftCorner<2, 9>();
+  return stiffness;
+}
+
+/// Turns of the bubble that carry no moment, per motion of the corners.
+Eigen::Matrix<double, 2, 9> bubble_turns(const Matrix11& stiffness) {
+  return -stiffness.bottomRightCorner<2, 2>().inverse() * stiffness.bottomLeftCorner<2, 9>();
+}
+
+/// [w b_x b_y] of each corner, the bubble condensed.
+Matrix9 flexure_stiffness(const Triangle& triangle, const ShellStiffness& section) {
+  const Matrix11 stiffness = full_flexure_stiffness(Flexure(triangle), triangle.area, section);
+  return stiffness.topLeftCorner<9, 9>() + stiffness.topRightCorner<9, 2>() * bubble_turns(stiffness);
 }
 
 /// Membrane motions x flexural ones: area (mean strain)^T B (mean curvature), to which the bubble adds nothing.
@@ -291,6 +303,31 @@ ElementMatrices shell3(const Eigen::Matrix3d& corners, const LaminateProperty& p
       .mass = section_mass(mass_of(triangle, mass_kind), property.mass, property.rotary_inertia)};
   carry_to_nodes(matrices, triangle, property.offset);
   return matrices;
+}
+
+// The membrane strain is the mean one and, linear over the triangle, 3/2 b_0^1/2 of the hierarchical rotations'.
+ShellStrains shell3_strains(const Eigen::Matrix3d& corners, const ShellStiffness& section, double offset,
+                            const Eigen::Vector3d& direction, const Eigen::VectorXd& motions) {
+  const Triangle triangle = triangle_through(corners, direction);
+  const Eigen::Vector3d normal = triangle.axes.row(2);
+  const Eigen::VectorXd u = moved_by_arms(motions, offset * normal.replicate<1, 3>());
+  const Eigen::Matrix<double, 9, 1> in_plane = to_membrane(triangle.axes) * u;
+  const Flexure flexure(triangle);
+  Eigen::Matrix<double, 11, 1> bent;
+  bent.head<9>() = to_flexure(triangle.axes) * u;
+  bent.tail<2>() = bubble_turns(full_flexure_stiffness(flexure, triangle.area, section)) * bent.head<9>();
+  const Eigen::Vector3d mean = lumping(triangle).transpose() * in_plane / triangle.area;
+  const double share = 1.5 * std::sqrt(linear_share(section.membrane));
+  constexpr std::array<std::pair<double, double>, 3> middles = {{{0.5, 0.0}, {0.5, 0.5}, {0.0, 0.5}}};
+  Eigen::Matrix<double, 8, 3> sampled;
+  for (int side = 0; side < 3; ++side) {
+    const auto [r, s] = middles[static_cast<std::size_t>(side)];
+    sampled.col(side) << mean + share * linear_strains(triangle, side) * in_plane, flexure.curvatures(r, s) * bent,
+        flexure.assumed_shear(r, s) * bent;
+  }
+  // A linear field has at a corner the sum of the middles of its two sides less that of the opposite one.
+  const Eigen::Matrix3d to_corners{{1.0, 1.0, -1.0}, {-1.0, 1.0, 1.0}, {1.0, -1.0, 1.0}};
+  return {triangle.axes, sampled * to_corners};
 }
 
 }  // namespace kalfem

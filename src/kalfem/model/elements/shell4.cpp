@@ -1,7 +1,8 @@
-#include "kalfem/model/elements/shell.hpp"
-
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
+
+#include "kalfem/model/elements/shell_strains.hpp"
 
 namespace kalfem {
 namespace {
@@ -224,7 +225,9 @@ public:
     mixed_ += area * modes.transpose() * stresses;
     modal_ += area * modes.transpose() * section_.membrane * modes;
   }
-  [[nodiscard]] Matrix24 condensed() const { return nodal_ - mixed_.transpose() * modal_.llt().solve(mixed_); }
+  [[nodiscard]] Matrix24 condensed() const { return nodal_ + mixed_.transpose() * amounts(); }
+  /// Of each mode per motion of the corners.
+  [[nodiscard]] Eigen::Matrix<double, 4, 24> amounts() const { return -modal_.llt().solve(mixed_); }
 
 private:
   const ShellStiffness& section_;
@@ -258,13 +261,21 @@ Row drilling_strain(const SurfacePoint& centre, const Eigen::Vector3d& normal) {
   return strain;
 }
 
-Sums integrate(const Surface& surface, const Frame& frame, const ShellStiffness& section) {
+/// Strains in the axes of the section at one Gauss point.
+struct GaussPoint {
+  Eigen::Vector4d shape;  ///< N_i
+  double area = 0.0;      ///< that the point stands for
+  PlaneRows stretched, bent;
+  ShearRows sheared, drilled;
+  Eigen::Matrix<double, 3, 4> modes;  ///< enhanced membrane strains
+};
+
+std::array<GaussPoint, 4> gauss_points(const Surface& surface, const Frame& frame) {
   const AssumedMembrane membrane(surface);
   const AssumedTransverseShear transverse(surface);
   const SurfacePoint centre = point_at(surface, 0.0, 0.0);
   const Eigen::Matrix3d centre_to_axes = to_axes(frame.axes.transpose() * centre.dual());
-  EnhancedMembrane enhanced(section);
-  Sums sums;
+  std::array<GaussPoint, 4> points;
   const double gauss = 1.0 / std::sqrt(3.0);
   for (int i = 0; i < 4; ++i) {
     const double r = gauss * corner_r[i], s = gauss * corner_s[i];
@@ -273,18 +284,34 @@ Sums integrate(const Surface& surface, const Frame& frame, const ShellStiffness&
     const Eigen::Vector3d normal = point.area_vector() / area;
     const Eigen::Matrix2d turn = frame.at(normal).transpose() * point.dual();
     const Eigen::Matrix3d tensor_turn = to_axes(turn);
-
     const double density = centre.area_vector().norm() / area;
-    const PlaneRows bent = tensor_turn * bending_strains(surface, point);
-    enhanced.add(tensor_turn * membrane.at(r, s), bent, density * centre_to_axes * enhanced_modes(r, s), area);
-    sums.bending += area * bent.transpose() * section.bending * bent;
-    const ShearRows sheared = turn * transverse.at(r, s) / point.director.dot(normal);
-    sums.stretching += area * sheared.transpose() * section.shear * sheared;
-    const ShearRows drilled = drilling_gradient(point, turn, frame.normal);
-    sums.drilling_gradient += area * drilled.transpose() * drilled;
-    sums.shares += area * point.shape * point.shape.transpose();
+    points[static_cast<std::size_t>(i)] = {.shape = point.shape,
+                                           .area = area,
+                                           .stretched = tensor_turn * membrane.at(r, s),
+                                           .bent = tensor_turn * bending_strains(surface, point),
+                                           .sheared = turn * transverse.at(r, s) / point.director.dot(normal),
+                                           .drilled = drilling_gradient(point, turn, frame.normal),
+                                           .modes = density * centre_to_axes * enhanced_modes(r, s)};
   }
-  sums.stretching += enhanced.condensed();
+  return points;
+}
+
+EnhancedMembrane enhanced_membrane(const std::array<GaussPoint, 4>& points, const ShellStiffness& section) {
+  EnhancedMembrane enhanced(section);
+  for (const auto& point : points) enhanced.add(point.stretched, point.bent, point.modes, point.area);
+  return enhanced;
+}
+
+Sums integrate(const Surface& surface, const Frame& frame, const ShellStiffness& section) {
+  const auto points = gauss_points(surface, frame);
+  Sums sums;
+  for (const auto& point : points) {
+    sums.bending += point.area * point.bent.transpose() * section.bending * point.bent;
+    sums.stretching += point.area * point.sheared.transpose() * section.shear * point.sheared;
+    sums.drilling_gradient += point.area * point.drilled.transpose() * point.drilled;
+    sums.shares += point.area * point.shape * point.shape.transpose();
+  }
+  sums.stretching += enhanced_membrane(points, section).condensed();
   return sums;
 }
 
@@ -352,6 +379,25 @@ ElementMatrices shell4(const Corners& corners, const LaminateProperty& property,
       .mass = section_mass(plate_mass(stiffness.shares, mass_kind), property.mass, property.rotary_inertia)};
   if (property.offset != 0.0) carry_to_nodes(matrices, offset.arms);
   return matrices;
+}
+
+ShellStrains shell4_strains(const Corners& corners, const ShellStiffness& section, double offset,
+                            const Eigen::Vector3d& direction, const Eigen::VectorXd& motions) {
+  const OffsetSurface moved(corners, offset);
+  const Frame frame = frame_of(moved.surface, direction);
+  const Eigen::Matrix<double, 24, 1> u = moved_by_arms(motions, moved.arms);
+  const auto points = gauss_points(moved.surface, frame);
+  const Eigen::Vector4d amounts = enhanced_membrane(points, section).amounts() * u;
+  Eigen::Matrix<double, 8, 4> sampled;
+  Eigen::Matrix4d shapes;  // of the corners at the points
+  for (int i = 0; i < 4; ++i) {
+    const auto& point = points[static_cast<std::size_t>(i)];
+    sampled.col(i) << point.stretched * u + point.modes * amounts, point.bent * u, point.sheared * u;
+    shapes.col(i) = point.shape;
+  }
+  ShellStrains strains{{}, sampled * shapes.inverse()};
+  strains.axes << frame.axes.transpose(), frame.normal.transpose();
+  return strains;
 }
 
 }  // namespace kalfem

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/model/elements/enhanced_solid.hpp"
 #include "kalfem/model/mesh/properties.hpp"
 
 namespace kalfem {
@@ -29,15 +30,6 @@ double softest_modulus(const Matrix6& elasticity) {
 
 /// du/dx + dv/dy + dw/dz per nodal motion.
 Eigen::RowVectorXd dilatation(const StrainMatrix& strains) { return strains.topRows<3>().colwise().sum(); }
-
-/// Isotropic elasticity per unit Young's modulus,
-///     D = lambda 1 1^T + 2 mu I,  2 mu = 1 / (1 + nu),  lambda = 2 mu nu / (1 - 2 nu).
-Matrix6 isotropic_elasticity(double poissons_ratio) {
-  const double shear = 1.0 / (1.0 + poissons_ratio);  // 2 mu
-  Matrix6 elasticity = even_elasticity(shear);
-  elasticity.topLeftCorner<3, 3>().array() += shear * poissons_ratio / (1.0 - 2.0 * poissons_ratio);
-  return elasticity;
-}
 
 /// Stiffness of the interpolated displacements, K = sum_p B_p^T D B_p V_p over the points.
 Eigen::MatrixXd displacement_stiffness(const std::vector<SolidPoint>& points, const Matrix6& elasticity) {
@@ -82,90 +74,6 @@ Eigen::MatrixXd stabilised_stiffness(const std::vector<SolidPoint>& few, const s
   return displacement_stiffness(few, elasticity - part) + displacement_stiffness(all, part);
 }
 
-constexpr int most_modes = 12;
-using ModeMatrix = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, most_modes>;  ///< strains, one mode a column
-
-/// Strains of an element at one integration point.
-struct EnhancedPoint {
-  StrainMatrix strains;  ///< B, of the displacements
-  ModeMatrix modes;      ///< G
-  double volume = 0.0;
-};
-
-/// Cartesian strains [xx yy zz xy yz xz] of natural ones [rr ss tt rs st rt]: e = g^-T E g^-1, g the tangents.
-Matrix6 natural_to_cartesian(const Eigen::Matrix3d& tangents) {
-  static constexpr int row[] = {0, 1, 2, 0, 1, 0}, column[] = {0, 1, 2, 1, 2, 2};
-  const Eigen::Matrix3d inverse = tangents.inverse();
-  Matrix6 transform;
-  for (int k = 0; k < 6; ++k) {
-    const Eigen::Vector3d a = inverse.row(row[k]), b = inverse.row(column[k]);
-    const Eigen::Matrix3d strain = 0.5 * (a * b.transpose() + b * a.transpose());
-    for (int i = 0; i < 6; ++i) transform(i, k) = (i < 3 ? 1.0 : 2.0) * strain(row[i], column[i]);
-  }
-  return transform;
-}
-
-ModeMatrix hexahedron_modes(const Eigen::Vector3d& place) {
-  const double r = place[0], s = place[1], t = place[2];
-  ModeMatrix modes = ModeMatrix::Zero(6, 9);
-  modes(0, 0) = r;
-  modes(1, 1) = s;
-  modes(2, 2) = t;
-  modes.block<1, 2>(3, 3) << r, s;
-  modes.block<1, 2>(4, 5) << s, t;
-  modes.block<1, 2>(5, 7) << r, t;
-  return modes;
-}
-
-ModeMatrix wedge_modes(const Eigen::Vector3d& place) {
-  const double r = place[0] - 1.0 / 3.0, s = place[1] - 1.0 / 3.0, t = place[2];
-  ModeMatrix modes = ModeMatrix::Zero(6, 12);
-  modes.block<1, 2>(0, 0) << r, s;
-  modes.block<1, 2>(1, 2) << r, s;
-  modes.block<1, 2>(3, 4) << r, s;
-  modes(2, 6) = t;
-  modes(5, 7) = t;
-  modes(4, 8) = t;
-  modes(5, 9) = r;
-  modes(4, 10) = s;
-  modes(5, 11) = s;
-  modes(4, 11) = r;
-  return modes;
-}
-
-/// G at a place where the Jacobian is j, of an element with these tangents at its centre.
-ModeMatrix enhanced_strains(CellShape shape, const Eigen::Vector3d& place, const Eigen::Matrix3d& centre, double j) {
-  const double ratio = centre.determinant() / j;
-  const Matrix6 transform = natural_to_cartesian(centre);
-  if (shape == CellShape::wedge6) return ratio * transform * wedge_modes(place);
-  ModeMatrix modes = ModeMatrix::Zero(6, 12);
-  modes.leftCols<9>() = ratio * transform * hexahedron_modes(place);
-  const double r = place[0], s = place[1], t = place[2];
-  for (int i = 0; i < 3; ++i) modes.block<1, 3>(i, 9) = ratio * Eigen::RowVector3d(r * s, s * t, r * t);
-  return modes;
-}
-
-Eigen::MatrixXd condensed(const std::vector<EnhancedPoint>& points, const Matrix6& elasticity) {
-  const Eigen::Index size = points.front().strains.cols(), modes = points.front().modes.cols();
-  Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(size, size), coupling = Eigen::MatrixXd::Zero(modes, size),
-                  inner = Eigen::MatrixXd::Zero(modes, modes);
-  for (const auto& point : points) {
-    const StrainMatrix stresses = point.volume * elasticity * point.strains;
-    stiffness.noalias() += point.strains.transpose() * stresses;
-    coupling.noalias() += point.modes.transpose() * stresses;
-    inner.noalias() += point.modes.transpose() * (point.volume * elasticity * point.modes);
-  }
-  const Eigen::MatrixXd amounts = inner.llt().solve(coupling);
-  return stiffness - coupling.transpose() * amounts;
-}
-
-/// Tangents at the centre of gravity of the natural shape.
-Eigen::Matrix3d centre_tangents(CellShape shape, const SolidNodes& nodes) {
-  const Eigen::Vector3d centre =
-      shape == CellShape::wedge6 ? Eigen::Vector3d(1.0 / 3.0, 1.0 / 3.0, 0.0) : Eigen::Vector3d::Zero();
-  return nodes * solid_shape_functions(shape, centre).slopes;
-}
-
 /// Hourglass functions st, rt, rs and rst by their slopes along r, s, t at a place.
 Eigen::Matrix<double, 4, 3> hourglass_slopes(const Eigen::Vector3d& place) {
   const double r = place[0], s = place[1], t = place[2];
@@ -179,7 +87,7 @@ Eigen::MatrixXd hourglass_stiffness(const Eigen::Matrix3d& tangents, const Matri
   for (const auto& at : integration_rule(CellShape::hexahedron8, RulePurpose::strain))
     points.push_back({strain_matrix(hourglass_slopes(at.place) * tangents.inverse()),
                       enhanced_strains(CellShape::hexahedron8, at.place, tangents, jacobian), at.weight * jacobian});
-  return condensed(points, elasticity);
+  return condense(points, elasticity).stiffness;
 }
 
 /// gamma_a at the nodes, 8 x 4: no part of a motion that is linear in space.
@@ -193,35 +101,11 @@ Eigen::Matrix<double, 8, 4> hourglass_patterns(const SolidNodes& nodes, const Sh
   return 0.125 * (patterns - mean_gradients * (nodes * patterns));
 }
 
-/// Stiffness of an element whose displacements' strains e = B u are joined by strains G a of its own, without
-/// continuity, that are condensed [SR90]:
-///     K = int B^T D B - L^T H^-1 L,  H = int G^T D G,  L = int G^T D B,  G = j0 / j T0 M(r, s, t).
-/// M holds strains in the natural axes with no mean over the element, T0 turns those of the element's centre into
-/// global ones, j is the Jacobian (j0 of the centre): G has no mean, so that constant strain is exact for any shape.
-///
-/// hexahedron8, 12 of them: those of Simo and Rifai,
-///     rr: r,  ss: s,  tt: t,  2rs: r, s,  2st: s, t,  2rt: r, t,
-/// which make bending free of shear, and the volume changes rs, st, rt [SAT93], without which an incompressible
-/// material locks.
-///
-/// wedge6, 12, with r and s from the centre of the triangle:
-///     rr, ss and 2rs: r, s,  tt: t,  2rt and 2st: t,  [2rt 2st]: [r 0], [0 s], [s r],
-/// those of the quadratic displacements that a wedge lacks. Bending about the axes of the triangle is free of shear;
-/// bending in the plane of the triangle stays that of constant strain, as it must.
-Eigen::MatrixXd enhanced_stiffness(CellShape shape, const SolidNodes& nodes, const Matrix6& elasticity) {
-  const Eigen::Matrix3d centre = centre_tangents(shape, nodes);
-  std::vector<EnhancedPoint> points;
-  for (const auto& point : solid_points(integration_rule(shape, RulePurpose::strain), nodes))
-    points.push_back(
-        {strain_matrix(point.gradients), enhanced_strains(shape, point.place, centre, point.jacobian), point.volume});
-  return condensed(points, elasticity);
-}
-
 /// Stiffness of a hexahedron8 of the mean strains [FB81] and of its twelve hourglass motions,
 ///     K = V B^T D B + Gamma^T K_h Gamma,  gamma_a = 1/8 (h_a - sum_i (h_a . x_i) b_i),
 /// b_i the mean gradients of the shape functions. K_h is the stiffness of the hourglass functions st, rt, rs and rst
-/// with the enhanced strains of enhanced_stiffness(), on the parallelepiped with the tangents of the centre (in the
-/// manner of [Pus00]): no parameter, no locking, and equal to enhanced_stiffness() on a parallelepiped.
+/// with the enhanced strains of enhanced_points(), on the parallelepiped with the tangents of the centre (in the
+/// manner of [Pus00]): no parameter, no locking, and equal to enhanced_points() on a parallelepiped.
 Eigen::MatrixXd one_point_hexahedron_stiffness(const SolidNodes& nodes, const Matrix6& elasticity) {
   ShapeSlopes gradients = ShapeSlopes::Zero(8, 3);
   double volume = 0.0;
@@ -245,7 +129,7 @@ Eigen::MatrixXd stiffness_of(CellShape shape, const SolidNodes& nodes, SolidKind
   const auto points = [&](RulePurpose purpose) { return solid_points(integration_rule(shape, purpose), nodes); };
   switch (kind) {
     case SolidKind::standard:
-      if (linear) return enhanced_stiffness(shape, nodes, elasticity);
+      if (linear) return condense(enhanced_points(shape, nodes), elasticity).stiffness;
       if (shape == CellShape::hexahedron20)
         return stabilised_stiffness(points(RulePurpose::reduced_strain), points(RulePurpose::strain), elasticity);
       break;
@@ -295,6 +179,13 @@ Matrix6 checked(const Matrix6& elasticity) {
 }
 
 }  // namespace
+
+Matrix6 isotropic_elasticity(double poissons_ratio) {
+  const double shear = 1.0 / (1.0 + poissons_ratio);  // 2 mu
+  Matrix6 elasticity = even_elasticity(shear);
+  elasticity.topLeftCorner<3, 3>().array() += shear * poissons_ratio / (1.0 - 2.0 * poissons_ratio);
+  return elasticity;
+}
 
 ElementMatrices solid(CellShape shape, const Eigen::Matrix3Xd& nodes, const SolidProperty& property,
                       double poissons_ratio, MassKind mass_kind) {

@@ -86,6 +86,10 @@ StrainMatrix strain_matrix(const ShapeSlopes& gradients);
 /// of 180 degrees or of sides with their middle nodes at a quarter, is no fault.
 void require_sound(CellShape shape, const SolidNodes& nodes);
 
+/// Isotropic elasticity per unit Young's modulus,
+///     D = lambda 1 1^T + 2 mu I,  2 mu = 1 / (1 + nu),  lambda = 2 mu nu / (1 - 2 nu).
+Matrix6 isotropic_elasticity(double poissons_ratio);
+
 /// Solid element of any shape through `nodes` [m], 3 x nodes, with the motions [x y z] of each node:
 ///     K = int B^T D B dV,   M = rho int N^T N dV,   D isotropic of E = 1 and nu, or the property's elasticity.
 ///
@@ -102,7 +106,7 @@ void require_sound(CellShape shape, const SolidNodes& nodes);
 /// Motions without stiffness are those of a single free element beside the six rigid ones; a mesh more than one element
 /// wide holds most of them, one row of elements does not. All kinds are exact in constant strain, on distorted elements
 /// too. tetrahedron4 is stiff in bending and locks where nu comes near 1/2, wedge6 in its triangle likewise: the
-/// quadratic shapes are meant for those. enhanced_stiffness(), one_point_hexahedron_stiffness() and
+/// quadratic shapes are meant for those. enhanced_points(), one_point_hexahedron_stiffness() and
 /// stabilised_stiffness() say what stands behind the others.
 ///
 /// The order of the nodes is that of Abaqus and CalculiX for all six shapes. Their types, by comparison with CalculiX

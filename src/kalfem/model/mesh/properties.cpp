@@ -46,6 +46,11 @@ double box_shear_factor(double depth, double breadth, double nu) {
          (bending + nu * lateral + 10.0 * n * n * ((3.0 + nu) * m + 3.0 * m * m));
 }
 
+SectionOutline rectangle_outline(double width_y, double height_z) {
+  const double y = 0.5 * width_y, z = 0.5 * height_z;
+  return {.corners = {{-y, -z}, {y, -z}, {y, z}, {-y, z}}};
+}
+
 }  // namespace
 
 BeamSection rectangular_section(double width_y, double height_z, double poissons_ratio) {
@@ -57,7 +62,8 @@ BeamSection rectangular_section(double width_y, double height_z, double poissons
           .inertia_z = area * width_y * width_y / 12.0,
           .torsion = rectangle_torsion(width_y, height_z),
           .shear_factor_y = shear,
-          .shear_factor_z = shear};
+          .shear_factor_z = shear,
+          .outline = rectangle_outline(width_y, height_z)};
 }
 
 BeamSection circular_section(double diameter, double poissons_ratio) {
@@ -69,7 +75,8 @@ BeamSection circular_section(double diameter, double poissons_ratio) {
           .inertia_z = inertia,
           .torsion = 2.0 * inertia,
           .shear_factor_y = shear,
-          .shear_factor_z = shear};
+          .shear_factor_z = shear,
+          .outline = {.radius = 0.5 * diameter}};
 }
 
 BeamSection circular_tube_section(double outer_diameter, double wall, double poissons_ratio) {
@@ -85,7 +92,8 @@ BeamSection circular_tube_section(double outer_diameter, double wall, double poi
           .inertia_z = inertia,
           .torsion = 2.0 * inertia,
           .shear_factor_y = shear,
-          .shear_factor_z = shear};
+          .shear_factor_z = shear,
+          .outline = {.radius = 0.5 * outer_diameter}};
 }
 
 BeamSection rectangular_tube_section(double width_y, double height_z, double wall, double poissons_ratio) {
@@ -99,7 +107,8 @@ BeamSection rectangular_tube_section(double width_y, double height_z, double wal
           // Bredt: J = 4 A_m^2 / (perimeter / t) of the line through the middles of the walls.
           .torsion = 2.0 * wall * std::pow(middle_y * middle_z, 2) / (middle_y + middle_z),
           .shear_factor_y = box_shear_factor(middle_y, middle_z, poissons_ratio),
-          .shear_factor_z = box_shear_factor(middle_z, middle_y, poissons_ratio)};
+          .shear_factor_z = box_shear_factor(middle_z, middle_y, poissons_ratio),
+          .outline = rectangle_outline(width_y, height_z)};
 }
 
 std::string material_of(const RegionProperty& property) {

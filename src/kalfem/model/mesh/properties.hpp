@@ -24,6 +24,13 @@ struct IsotropicMaterial {
   [[nodiscard]] double shear_modulus() const { return youngs_modulus / (2.0 * (1.0 + poissons_ratio)); }
 };
 
+/// Where the axial stress of a section is largest: its corners, or the radius of a round one, from the centroid.
+/// Neither where the section is known by its constants alone.
+struct SectionOutline {
+  std::vector<Eigen::Vector2d> corners = {};  ///< local y and z [m]
+  double radius = 0.0;                        ///< [m]
+};
+
 /// Cross-section of a beam in its local y and z axes. Axial force acts at the centroid, shear and torsion at the shear
 /// centre, which is the beam's line.
 struct BeamSection {
@@ -35,6 +42,7 @@ struct BeamSection {
   double shear_factor_z = 0.0;  ///< the same along z
   double product_yz = 0.0;      ///< product of inertia, integral of y z dA about the centroid [m^4]
   Eigen::Vector2d centroid = Eigen::Vector2d::Zero();  ///< of the section, from the shear centre: local y and z [m]
+  SectionOutline outline = {};
 };
 
 // Sections of usual shape. Shear factors are Cowper's [Cow66] and depend a little on Poisson's ratio. All throw

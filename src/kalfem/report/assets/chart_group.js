@@ -1,5 +1,7 @@
 // Charts over the same abscissa ("time [s]") share the cursor and, unless the reader switches it off, the zoom.
 
+import {isPrinting} from "./dom.js";
+
 const near = "25% 0px";  // charts as close as this to the screen are kept up to date
 
 export class ChartGroup {
@@ -9,11 +11,15 @@ export class ChartGroup {
     this.sight = new IntersectionObserver(entries => {
       for (const {target, isIntersecting} of entries) this.viewOf(target).comeIntoSight(isIntersecting);
     }, {rootMargin: near});
+    this.room = new ResizeObserver(entries => {
+      if (!isPrinting()) entries.forEach(({target}) => this.viewOf(target).fit());
+    });
   }
 
   add(view) {
     this.views.push(view);
     this.sight.observe(view.canvas);
+    this.room.observe(view.canvas);
   }
 
   viewOf(canvas) { return this.views.find(view => view.canvas === canvas); }

@@ -1,8 +1,11 @@
 // Links to a moment of a chart: "#chart-<id>@12.5" shows 12.5 s in all charts over time.
 
+import {unfold} from "./folds.js";
+
 export function followLinksToMoments(group) {
   const follow = hash => {
     const {id, moment} = target(hash);
+    unfold(document.getElementById(id));
     const view = group.views.find(each => each.figure.id === id);
     if (!view || view.data.scatter) return false;
     view.figure.scrollIntoView({block: "center"});

@@ -3,7 +3,8 @@
 import {ChartGroup} from "./chart_group.js";
 import {ChartView, zoomHint} from "./chart_view.js";
 import {followLinksToMoments} from "./moments.js";
-import {isPrinting, make, prefersDark} from "./dom.js";
+import {whenUnfolded} from "./folds.js";
+import {make, prefersDark} from "./dom.js";
 import {markContents} from "./contents.js";
 import {count, countResources, startTally} from "./tally.js";
 
@@ -19,12 +20,16 @@ countResources();
 function drawCharts() {
   const data = JSON.parse(document.getElementById("chart-data").textContent);
   for (const figure of document.querySelectorAll("[data-chart]")) {
-    try {
-      new ChartView(figure, data[figure.dataset.chart], group);
-    } catch (error) {
-      count("errors");
-      figure.querySelector(".plot").append(make("p", {class: "note"}, `This chart could not be drawn: ${error.message}`));
-    }
+    whenUnfolded(figure, () => drawChart(figure, data[figure.dataset.chart]));
+  }
+}
+
+function drawChart(figure, data) {
+  try {
+    new ChartView(figure, data, group);
+  } catch (error) {
+    count("errors");
+    figure.querySelector(".plot").append(make("p", {class: "note"}, `This chart could not be drawn: ${error.message}`));
   }
 }
 
@@ -49,8 +54,4 @@ function redrawWhenNeeded() {
     group.views.forEach(view => view.buildForPrint());
   });
   addEventListener("afterprint", () => { delete document.documentElement.dataset.printing; rebuild(); });
-  const onResize = new ResizeObserver(entries => {
-    if (!isPrinting()) entries.forEach(({target}) => group.viewOf(target).fit());
-  });
-  group.views.forEach(view => onResize.observe(view.canvas));
 }

@@ -1,12 +1,12 @@
 #include "kalfem/report/sections.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "kalfem/report/updating_tables.hpp"
+#include "kalfem/report/display_unit.hpp"
+#include "kalfem/report/tables.hpp"
 #include "kalfem/statistics/quantiles.hpp"
 
 namespace kalfem {
@@ -92,6 +92,28 @@ const Connector* true_connector(const Study& study, const std::string& name) {
   return found == connectors.end() ? nullptr : &*found;
 }
 
+/// How often the connector was at each abscissa after settling, as an area of a quarter of the chart's height along
+/// its lower edge. The law is known only where the data were.
+Series data_share(const VectorXd& x, const VectorXd& visited, const std::vector<Series>& curves) {
+  double low = 0.0, high = 0.0;
+  for (const auto& curve : curves)
+    for (const auto* values : {&curve.y, &curve.lower, &curve.upper})
+      for (const double value : *values) low = std::min(low, value), high = std::max(high, value);
+  VectorXd counts = VectorXd::Zero(x.size());
+  const double step = x[1] - x[0];
+  for (const double value : visited)
+    if (std::isfinite(value)) counts[std::clamp<Index>(std::lround((value - x[0]) / step), 0, x.size() - 1)] += 1.0;
+  VectorXd smooth = counts;  // over five neighbours: a histogram of fewer, wider bins
+  for (Index k = 2; k + 2 < counts.size(); ++k) smooth[k] = counts.segment(k - 2, 5).mean();
+  const double height = 0.25 * (high - low) / std::max(1.0, smooth.maxCoeff());
+  const VectorXd upper = (low + height * smooth.array()).matrix();
+  return {.label = "where the data were",
+          .y = series_values(upper),
+          .lower = std::vector<double>(static_cast<std::size_t>(x.size()), low),
+          .upper = series_values(upper),
+          .role = Role::measured};
+}
+
 Chart characteristic(const Study& study, const EstimationOutcome& outcome, Index index, bool over_rate) {
   const auto& connector = outcome.augmented_model->system().connectors[static_cast<std::size_t>(index)];
   const auto* range = find(outcome, connector.name,
@@ -101,9 +123,8 @@ Chart characteristic(const Study& study, const EstimationOutcome& outcome, Index
   const VectorXd &deformation = over_rate ? zero : x, &rate = over_rate ? x : zero;
   Chart chart{.id = connector.name + (over_rate ? "-damper" : "-spring"),
               .title = connector.name + (over_rate ? ": force over rate" : ": force over deformation"),
-              .caption = over_rate ? "At zero deformation." : "At rest.",
-              .x_label = over_rate ? "deformation rate [m/s]" : "deformation [m]",
-              .y_label = "force [N]",
+              .caption = std::string(over_rate ? "At zero deformation." : "At rest.") +
+                         " The grey area: how often the connector was there. Elsewhere the law is extrapolated.",
               .x = series_values(x),
               .series = {IdentifiedConnector(outcome, index).curve(deformation, rate)},
               .half_width = true};
@@ -111,7 +132,9 @@ Chart characteristic(const Study& study, const EstimationOutcome& outcome, Index
     chart.series.push_back({.label = "true",
                             .y = series_values(force(*truth->law, truth->parameters, deformation, rate)),
                             .role = Role::truth});
-  return chart;
+  chart.series.push_back(data_share(x, range->mean.tail(range->mean.size() - outcome.settled), chart.series));
+  return with_readable_abscissae(with_readable_ordinates(std::move(chart), "force", "N"),
+                                 over_rate ? "deformation rate" : "deformation", over_rate ? "m/s" : "m");
 }
 
 /// Force over deformation as it went, over the last part of the record.
@@ -122,8 +145,6 @@ Chart path(const EstimationOutcome& outcome, const std::string& name) {
   Chart chart{.id = name + "-path",
               .title = name + ": path",
               .caption = "The last part of the record.",
-              .x_label = "deformation [m]",
-              .y_label = "force [N]",
               .series = {{.label = "estimated",
                           .y = series_values(force_history->mean.tail(count)),
                           .role = Role::estimate,
@@ -134,28 +155,44 @@ Chart path(const EstimationOutcome& outcome, const std::string& name) {
                             .y = series_values(force_history->truth.tail(count)),
                             .role = Role::truth,
                             .x = series_values(deformation->truth.tail(count))});
-  return chart;
+  return with_readable_abscissae(with_readable_ordinates(std::move(chart), "force", "N"), "deformation", "m");
+}
+
+/// Part of a connector's force that no spring and dashpot explain: rms(f - k d - c v) / rms(f) of the best k and c.
+double nonlinear_share(const VectorXd& force, const VectorXd& deformation, const VectorXd& rate) {
+  MatrixXd motion(force.size(), 2);
+  motion << deformation, rate;
+  const VectorXd scale = motion.colwise().norm().cwiseMax(1e-300).transpose();
+  const MatrixXd scaled = motion * scale.cwiseInverse().asDiagonal();
+  const VectorXd linear = scaled * scaled.colPivHouseholderQr().solve(force);
+  return force.norm() > 0.0 ? (force - linear).norm() / force.norm() : 0.0;
+}
+
+/// Size of motion and force of a connector after settling.
+std::vector<std::string> size_row(const EstimationOutcome& outcome, const std::string& name) {
+  const auto settled = [&](ObservedQuantity quantity) -> VectorXd {
+    const auto& mean = find(outcome, name, quantity)->mean;
+    return mean.tail(mean.size() - outcome.settled);
+  };
+  const VectorXd force = settled(ObservedQuantity::connector_force),
+                 deformation = settled(ObservedQuantity::connector_deformation),
+                 rate = settled(ObservedQuantity::connector_rate);
+  const auto with_unit = [](double value, const char* unit) {
+    const DisplayUnit shown(unit, {value});
+    return shown.value(value) + " " + shown.unit();
+  };
+  return {name, with_unit(rms(force), "N"), with_unit(rms(deformation), "m"), with_unit(rms(rate), "m/s"),
+          per_cent(nonlinear_share(force, deformation, rate))};
 }
 
 }  // namespace
 
-std::vector<double> times(const Record& record) {
-  std::vector<double> t(static_cast<std::size_t>(record.samples()));
-  for (std::size_t k = 0; k < t.size(); ++k) t[k] = record.time(static_cast<Index>(k));
-  return t;
-}
-
-Series with_band(const std::string& label, const VectorXd& mean, const VectorXd& deviation, Role role) {
-  Series series{.label = label, .y = series_values(mean), .role = role};
-  if (deviation.size() == 0) return series;
-  const VectorXd width = normal_quantile(0.975) * deviation;
-  series.lower = series_values(mean - width);
-  series.upper = series_values(mean + width);
-  return series;
-}
-
 Section connectors_section(const Study& study, const EstimationOutcome& outcome) {
   Section section{"Connectors", "The identified laws.", {}};
+  Table sizes{.title = "Rms after settling",
+              .columns = {"connector", "force", "deformation", "rate", "nonlinear share of the force"},
+              .caption = "Nonlinear share: the part of the force that no linear spring and dashpot explain."};
+  std::vector<Chart> charts;
   const auto& connectors = outcome.augmented_model->system().connectors;
   for (std::size_t j = 0; j < connectors.size(); ++j) {
     const bool unknown = std::ranges::any_of(outcome.augmented_model->options().unknowns, [&](const auto& each) {
@@ -164,99 +201,15 @@ Section connectors_section(const Study& study, const EstimationOutcome& outcome)
     });
     if (!unknown) continue;
     if (connectors[j].law->states().empty()) {
-      section.items.emplace_back(characteristic(study, outcome, static_cast<Index>(j), false));
-      section.items.emplace_back(characteristic(study, outcome, static_cast<Index>(j), true));
+      charts.push_back(characteristic(study, outcome, static_cast<Index>(j), false));
+      charts.push_back(characteristic(study, outcome, static_cast<Index>(j), true));
     }
-    section.items.emplace_back(path(outcome, connectors[j].name));
+    charts.push_back(path(outcome, connectors[j].name));
+    sizes.rows.push_back(size_row(outcome, connectors[j].name));
   }
-  return section;
-}
-
-namespace {
-
-std::vector<double> list(const Eigen::VectorXd& values) { return {values.begin(), values.end()}; }
-
-/// The parameters of every iteration, relative to their initial values.
-Chart trace_chart(const Study& study, const UpdatingOutcome& outcome) {
-  Chart chart{.id = "updating-trace",
-              .title = "Parameters by iteration",
-              .caption = "Accepted values, relative to the initial values.",
-              .x_label = "iteration",
-              .y_label = "value / initial [-]"};
-  for (std::size_t k = 0; k < outcome.trace.size(); ++k) chart.x.push_back(static_cast<double>(k + 1));
-  for (std::size_t i = 0; i < study.updating->parameters.size(); ++i) {
-    const auto& parameter = study.updating->parameters[i];
-    Series series{.label = parameter.name, .role = Role::other};
-    for (const auto& step : outcome.trace)
-      series.y.push_back(step.parameters[static_cast<Index>(i)] / parameter.scale());
-    chart.series.push_back(std::move(series));
-  }
-  return chart;
-}
-
-Chart residual_chart(const UpdatingOutcome& outcome) {
-  Chart chart{
-      .id = "updating-residual", .title = "Residual by iteration", .x_label = "iteration", .y_label = "rms [std]"};
-  Series series{.label = "accepted", .role = Role::estimate};
-  for (std::size_t k = 0; k < outcome.trace.size(); ++k) {
-    chart.x.push_back(static_cast<double>(k + 1));
-    series.y.push_back(outcome.trace[k].residual);
-  }
-  chart.series.push_back(std::move(series));
-  return chart;
-}
-
-std::vector<double> decibels(const Eigen::VectorXd& magnitudes) {
-  std::vector<double> values;
-  for (const double value : magnitudes) values.push_back(20.0 * std::log10(value));
-  return values;
-}
-
-Chart response_chart(const std::string& comparison, const FrfCurve& curve, std::size_t number) {
-  return {.id = fmt::format("frf-{}-{}", comparison, number),
-          .title = curve.name,
-          .x_label = "frequency [Hz]",
-          .y_label = "magnitude [dB re SI]",
-          .x = list(curve.lines),
-          .series = {{.label = "measured", .y = decibels(curve.measured), .role = Role::measured},
-                     {.label = "before", .y = decibels(curve.before), .role = Role::predicted},
-                     {.label = "after", .y = decibels(curve.after), .role = Role::estimate}},
-          .half_width = true};
-}
-
-std::string sentence(std::string words) {
-  if (!words.empty()) words.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(words.front())));
-  return words;
-}
-
-std::string words_on(const UpdatingOutcome& outcome) {
-  std::string text = fmt::format("{} evaluations, {} steps, {:.1f} s, by {}. {}. ", outcome.evaluations,
-                                 outcome.iterations, outcome.seconds, outcome.method, sentence(outcome.termination));
-  for (const auto& remark : outcome.remarks) text += "\n\n" + sentence(remark) + ".";
-  return text;
-}
-
-}  // namespace
-
-Section updating_section(const Study& study, const StudyResults& results) {
-  const auto& outcome = *results.updating;
-  Section section{
-      "Updated model", words_on(outcome), {updated_parameter_table(study, outcome), comparison_table(outcome)}};
-  if (auto table = before_and_after_table(study, results); !table.rows.empty())
-    section.items.emplace_back(std::move(table));
-  for (const auto& comparison : outcome.comparisons)
-    if (!comparison.modes_final.empty()) section.items.emplace_back(paired_mode_table(comparison));
-  if (!outcome.minima.empty()) section.items.emplace_back(minima_table(study, outcome));
-  if (outcome.statistics.correlation.rows() > 1) section.items.emplace_back(correlation_table(study, outcome));
-  if (!outcome.sensitivities.empty()) section.items.emplace_back(sensitivity_table(outcome));
-  if (outcome.trace.size() > 1) {
-    section.items.emplace_back(trace_chart(study, outcome));
-    section.items.emplace_back(residual_chart(outcome));
-    section.items.emplace_back(updating_trace_table(study, outcome));
-  }
-  for (const auto& comparison : outcome.comparisons)
-    for (std::size_t i = 0; i < comparison.responses.size(); ++i)
-      section.items.emplace_back(response_chart(comparison.name, comparison.responses[i], i + 1));
+  if (charts.empty()) return section;
+  section.items.emplace_back(std::move(sizes));
+  std::ranges::move(charts, std::back_inserter(section.items));
   return section;
 }
 

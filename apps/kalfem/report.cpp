@@ -1,0 +1,20 @@
+#include "kalfem/report/finished_report.hpp"
+
+#include "console.hpp"
+#include "verbs.hpp"
+
+namespace kalfem::command {
+
+ExitCode report(const std::string& folder, bool as_json) {
+  const FinishedRun run = read_finished_run(folder);
+  if (as_json)
+    print_text(run.summary);
+  else
+    print_report(console_report(run));
+  if (!as_json) print_verdict(run.verdict);
+  if (!run.usable) print_error("the numbers are not usable: {}\n", run.message);
+  for (const auto& warning : run.warnings) print_error("warning: {}\n", warning);
+  return run.usable ? done : not_usable;
+}
+
+}  // namespace kalfem::command

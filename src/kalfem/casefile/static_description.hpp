@@ -1,0 +1,37 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/casefile/finite_element_description.hpp"
+
+/// Load cases as the case file states them, see description.hpp.
+namespace kalfem::description {
+
+/// On a named node, a node by its number, or spread over a group: evenly over lines and surfaces, in equal parts over
+/// nodes.
+struct StaticForce {
+  Name at;
+  std::array<double, 3> force{}, moment{};  ///< [N], [N m]
+};
+/// On the shells of a region, on the faces that a group of surfaces or nodes marks.
+struct StaticPressure {
+  Name on;
+  double pressure = 0.0;  ///< [Pa]
+};
+/// Loads that act together.
+struct StaticCase {
+  std::vector<StaticForce> forces;
+  std::vector<StaticPressure> pressures;
+  std::array<double, 3> gravity{};  ///< [m/s^2]
+  Named<Value> displacements;       ///< imposed, by node.direction [m], of a rotation [rad]
+};
+/// Static analysis of one finite-element substructure.
+struct Statics {
+  Name substructure;
+  Named<Located<StaticCase>> cases;
+  std::vector<Name> points;  ///< whose displacement and stress are reported; if empty, all named nodes
+};
+
+}  // namespace kalfem::description

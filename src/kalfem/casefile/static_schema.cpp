@@ -1,0 +1,60 @@
+#include "kalfem/casefile/case_schema.hpp"
+#include "kalfem/yaml/map_schema.hpp"
+
+namespace kalfem::description {
+
+using namespace schema;
+
+namespace {
+
+/// A load case without any load is probably an unfinished one.
+std::vector<Issue> check_loaded(const StaticCase& given) {
+  const bool weightless = given.gravity == std::array<double, 3>{};
+  if (!given.forces.empty() || !given.pressures.empty() || !given.displacements.empty() || !weightless) return {};
+  return {{{},
+           "the load case has no load",
+           "nothing would happen",
+           "give `forces`, `pressures`, `gravity` or `displacements`"}};
+}
+
+Schema<StaticCase> static_case() {
+  const auto force =
+      Fields<StaticForce>()
+          .required(
+              "at", &StaticForce::at, name(),
+              "one of `nodes`, a node number, or a group: the load is spread evenly over its lines or surfaces, or "
+              "shared equally by its nodes")
+          .optional("force", &StaticForce::force, tuple<3>(number("N")), "force along x, y, z, of the whole group")
+          .optional("moment", &StaticForce::moment, tuple<3>(number("N m")), "moment about x, y, z, of the whole group")
+          .check([](const StaticForce& given) -> std::vector<Issue> {
+            if (given.force != std::array<double, 3>{} || given.moment != std::array<double, 3>{}) return {};
+            return {{{}, "the load is zero", "it has no effect", "give `force` or `moment`"}};
+          });
+  const auto pressure =
+      Fields<StaticPressure>()
+          .required("on", &StaticPressure::on, name(),
+                    "region of shells, group of surfaces on solids, or group of nodes that holds whole faces")
+          .required("pressure", &StaticPressure::pressure, number("Pa"),
+                    "pushes into solids, and against the normal of shells (their nodes by the right-hand rule)");
+  return mapping(Fields<StaticCase>()
+                     .optional("forces", &StaticCase::forces, list(mapping(force)), "forces and moments")
+                     .optional("pressures", &StaticCase::pressures, list(mapping(pressure)), "pressures on surfaces")
+                     .optional("gravity", &StaticCase::gravity, tuple<3>(number("m/s^2")),
+                               "acceleration of the field: [0, 0, -9.81]; each mass m weighs m g")
+                     .optional("displacements", &StaticCase::displacements, named(value(), NameRule::dotted),
+                               "imposed displacements and rotations: {tip.z: 1 mm}")
+                     .check(check_loaded));
+}
+
+}  // namespace
+
+Schema<Statics> statics() {
+  return mapping(
+      Fields<Statics>()
+          .required("substructure", &Statics::substructure, name(), "finite-element substructure that is loaded")
+          .required("cases", &Statics::cases, named(located(static_case())), "load cases by names of your own")
+          .optional("points", &Statics::points, one_or_list(name()),
+                    "named nodes whose displacement and stress are reported; default: all `nodes`"));
+}
+
+}  // namespace kalfem::description

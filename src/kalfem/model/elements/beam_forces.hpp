@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "kalfem/model/elements/beam.hpp"
+
+namespace kalfem {
+
+/// What one side of a beam's section exerts on the other, in local axes: the axial force N at the centroid, shear V_y
+/// and V_z and torsion T at the shear centre [N, N m], and the bending moments about the axes through the centroid
+///     M_y = int z sigma dA,  M_z = -int y sigma dA [N m];
+/// of the part towards the second end on that towards the first: N > 0 is tension.
+using SectionForces = Eigen::Matrix<double, 6, 1>;  ///< [N V_y V_z T M_y M_z]
+
+/// Section forces at the two ends of a beam under the motions [x y z rx ry rz] of its nodes. `acceleration`: of gravity
+/// or another field that acts on its mass [m/s^2]; the ends carry K q less the nodal forces that the field gives the
+/// element, so that moments are those of the distributed load.
+/// Throws ElementShapeError as beam() does.
+std::array<SectionForces, 2> beam_forces(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty& property,
+                                         const BeamPlacement& placement, const IsotropicMaterial& material,
+                                         MassKind mass_kind, const Eigen::VectorXd& motions,
+                                         const Eigen::Vector3d& acceleration = Eigen::Vector3d::Zero());
+
+/// Stiffness that an axial force N (tension > 0) gives a beam across its line, int N (v'^2 + w'^2) dx / 2 of the
+/// deflections of beam(), in the motions of the nodes. The turn of the section about the line is left out.
+Eigen::MatrixXd beam_geometric_stiffness(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty& property,
+                                         const BeamPlacement& placement, double poissons_ratio, double axial_force);
+
+/// Smallest and largest axial stress in a section [Pa].
+struct FibreStress {
+  double lowest = 0.0, highest = 0.0;
+};
+
+/// Stress of axial force and bending at the outline of the section; nothing where the outline is unknown.
+std::optional<FibreStress> fibre_stress(const SectionForces& forces, const BeamSection& section);
+
+}  // namespace kalfem

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "kalfem/model/statics/stresses.hpp"
+
+namespace kalfem {
+
+/// Stiffness of a preload at all degrees of freedom, 6 to a node: the second-order work of the stresses sigma that a
+/// static solution left in the elements,
+///     u^T K_g u = int sigma_ab u_c,a u_c,b dV                 of solids,
+///                 int n_ab u_c,a u_c,b dA                     of shells, with the membrane forces n at their centre,
+///                 int N (v'^2 + w'^2) dx                      of beams, with the mean axial force N,
+/// a, b, c over the axes [ZTZ05]. Tension makes stiffer, compression softer; at the buckling load K + K_g is singular.
+/// The change of the loads' direction with the motion (follower forces) is left out. `stresses`: of recover_stresses().
+Eigen::SparseMatrix<double> geometric_stiffness(const FiniteElementModel& model,
+                                                const std::vector<RegionStress>& stresses);
+
+}  // namespace kalfem

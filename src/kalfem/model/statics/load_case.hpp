@@ -1,0 +1,66 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "kalfem/model/finite_element_model.hpp"
+
+namespace kalfem {
+
+/// Force and moment at a node, global axes.
+struct NodeLoad {
+  Eigen::Index node = 0;
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< [N]
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< [N m]
+};
+
+/// A shell, or a face of a solid, on which pressure can act.
+struct LoadedFace {
+  CellShape shape = CellShape::quadrilateral4;  ///< a triangle or quadrilateral, linear or quadratic
+  std::array<Eigen::Index, 8> nodes = {};       ///< in the order of the shape; counter-clockwise seen from outside
+};
+
+/// Pressure that pushes against the outward normal of solids and against the normal of shells (on their top side).
+struct SurfacePressure {
+  std::vector<LoadedFace> faces;
+  double pressure = 0.0;  ///< [Pa]
+};
+
+/// A displacement [m] or rotation [rad] that is held at a value.
+struct ImposedMotion {
+  NodalDof dof;
+  double value = 0.0;
+};
+
+/// Loads that act together on a model, beside its supports.
+struct LoadCase {
+  std::string name;
+  std::vector<NodeLoad> loads;
+  std::vector<SurfacePressure> pressures;
+  Eigen::Vector3d gravity =
+      Eigen::Vector3d::Zero();  ///< acceleration of the field [m/s^2]: a mass m has the weight m g
+  std::vector<ImposedMotion> imposed;
+};
+
+/// Forces of the loads and pressures at every degree of freedom, 6 to a node; without gravity. Pressure is integrated
+/// by the shape functions of the face, f_i = -p int N_i n dA, exactly for straight sides.
+Eigen::VectorXd nodal_forces(const FiniteElementModel& model, const LoadCase& load_case);
+
+/// Parts of a load that is spread evenly over cells, by node; they sum up to 1. Lines and surfaces count by their
+/// length and area with their shape functions, exactly where sides are straight and quadrilaterals parallelograms;
+/// other cells with equal parts.
+std::map<Eigen::Index, double> uniform_shares(const Mesh& mesh, const std::vector<Eigen::Index>& cells);
+
+/// Faces of a group on which pressure can act, cell by cell:
+/// * a region of shells: these;
+/// * cells without property (a surface group of a mesh): the shells and outer faces of solids that have just their
+///   corners;
+/// * nodes: the shells and outer faces of solids whose nodes are all among them.
+/// An outer face belongs to one solid only. Empty where there are none.
+std::vector<LoadedFace> faces_of_cells(const FiniteElementModel& model, const std::vector<Eigen::Index>& cells);
+std::vector<LoadedFace> faces_between_nodes(const FiniteElementModel& model, const std::vector<Eigen::Index>& nodes);
+
+}  // namespace kalfem

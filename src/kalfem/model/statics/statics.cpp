@@ -1,0 +1,282 @@
+#include "kalfem/model/statics/statics.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "kalfem/linalg/sparse_factor.hpp"
+#include "kalfem/model/assembly/assembly.hpp"
+#include "kalfem/model/assembly/constraints.hpp"
+#include "kalfem/model/assembly/rigid_body.hpp"
+#include "kalfem/model/statics/free_motions.hpp"
+
+namespace kalfem {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr const char* imposed_name = "imposed motion";
+
+FiniteElementModel without_supports(FiniteElementModel model) {
+  model.fixed.clear();
+  return model;
+}
+
+/// Degrees of freedom that supports or load cases hold: coordinates of their own although links may let them follow.
+std::vector<NodalDof> prescribed_dofs(const std::map<NodalDof, std::string>& supported,
+                                      const std::vector<LoadCase>& cases) {
+  std::set<NodalDof> dofs;
+  for (const auto& [dof, support] : supported) dofs.insert(dof);
+  for (const auto& each : cases)
+    for (const auto& motion : each.imposed) dofs.insert(motion.dof);
+  return {dofs.begin(), dofs.end()};
+}
+
+/// Degrees of freedom that supports hold, with the supports' names.
+std::map<NodalDof, std::string> supported_dofs(const FiniteElementModel& model) {
+  std::map<NodalDof, std::string> held;
+  for (const auto& support : model.fixed)
+    for (const auto node : support.nodes)
+      for (int direction = 0; direction < 6; ++direction)
+        if (support.directions[static_cast<std::size_t>(direction)]) held.insert({{node, direction}, support.name});
+  return held;
+}
+
+/// A prescribed degree of freedom: where it stands among those of the released model, who holds it, at what value.
+struct Prescribed {
+  Index place = 0;
+  std::string by;
+  double value = 0.0;
+};
+
+/// K with some degrees of freedom prescribed: z = F z_f + prescribed ones, F a selection of columns.
+class HeldStiffness {
+public:
+  /// Throws NotPositiveDefinite where the free part can move without force.
+  HeldStiffness(const SparseMatrix& stiffness, const std::vector<Index>& held)
+      : stiffness_(stiffness),
+        free_(selection(stiffness.cols(), held)),
+        factor_(SparseMatrix(free_.transpose() * stiffness * free_)) {}
+
+  /// z with K z = f at the free degrees of freedom. `z`: the prescribed values, 0 elsewhere. Each turn of the loop
+  /// solves for what is left of the forces: the first for the solution, the others refine it.
+  [[nodiscard]] VectorXd solve(const VectorXd& forces, VectorXd z) const {
+    constexpr int refinements = 2;
+    for (int i = 0; i <= refinements; ++i) {
+      const VectorXd left = free_.transpose() * (forces - stiffness_ * z);
+      z += free_ * VectorXd(factor_.solve(left));
+    }
+    return z;
+  }
+
+private:
+  static SparseMatrix selection(Index size, const std::vector<Index>& held) {
+    std::vector<Eigen::Triplet<double>> entries;
+    for (Index i = 0; i < size; ++i)
+      if (!std::ranges::binary_search(held, i))
+        entries.emplace_back(static_cast<int>(i), static_cast<int>(entries.size()), 1.0);
+    SparseMatrix matrix(size, static_cast<Index>(entries.size()));
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    return matrix;
+  }
+
+  const SparseMatrix& stiffness_;
+  SparseMatrix free_;  ///< F
+  SparseFactor factor_;
+};
+
+}  // namespace
+
+// What a load case needs in turn: what it prescribes, its forces over the degrees of freedom of the released model, the
+// displacements, and from these the forces of supports and grounds.
+class StaticAnalysis::Solver {
+public:
+  Solver(const FiniteElementModel& model, std::vector<LoadCase> cases)
+      : model_(model),
+        cases_(std::move(cases)),
+        supported_(supported_dofs(model)),
+        assembled_(assemble(without_supports(model), {.independent = prescribed_dofs(supported_, cases_)})),
+        stiffness_(evaluate(assembled_.stiffness, assembled_.parameters)) {
+    IssueList issues;
+    for (const auto& each : cases_) {
+      nodal_.push_back(nodal_forces(model_, each));
+      check_loads(nodal_.back(), each, issues);
+      prescribed_.push_back(prescribed_by(each, issues));
+    }
+    issues.raise();
+    for (const auto& prescribed : prescribed_) factor(prescribed);
+  }
+
+  [[nodiscard]] const FiniteElementModel& model() const { return model_; }
+  [[nodiscard]] const std::vector<LoadCase>& cases() const { return cases_; }
+
+  [[nodiscard]] StaticSolution solve(std::size_t index) const {
+    const LoadCase& load_case = cases_.at(index);
+    const auto& prescribed = prescribed_[index];
+    const VectorXd forces = assembled_.expansion.transpose() * nodal_[index] + weight(load_case.gravity);
+    VectorXd held_values = VectorXd::Zero(assembled_.size());
+    for (const auto& each : prescribed) held_values[each.place] = each.value;
+    const VectorXd z = held_.at(places_of(prescribed)).solve(forces, held_values);
+    StaticSolution solution;
+    solution.load_case = load_case.name;
+    solution.displacements = assembled_.expansion * z;
+    solution.applied = applied(nodal_[index], load_case.gravity);
+    add_reactions(prescribed, stiffness_ * z - forces, solution);
+    judge_balance(nodal_[index], solution);
+    return solution;
+  }
+
+private:
+  /// Positions of what is prescribed, ascending.
+  [[nodiscard]] std::vector<Prescribed> prescribed_by(const LoadCase& load_case, IssueList& issues) const {
+    std::map<Index, Prescribed> all;
+    for (const auto& [dof, support] : supported_)
+      if (const Index place = assembled_.find(dof); place >= 0) all[place] = {place, support, 0.0};
+    for (const auto& [dof, value] : load_case.imposed) {
+      const Index place = assembled_.find(dof);
+      const std::string title = title_of(load_case) + " imposes a motion on " + dof_name(model_.mesh, dof);
+      if (const auto support = supported_.find(dof); support != supported_.end())
+        issues.add({}, title + ", which the support '" + support->second + "' holds", "it cannot be at two places",
+                   "remove the imposed motion, or this direction from the support");
+      else if (place < 0)
+        issues.add({}, title + ", which nothing moves with",
+                   "no element, spring or mass acts there, or links let it follow prescribed motions",
+                   "choose a degree of freedom of the model");
+      else if (!all.insert({place, {place, imposed_name, value}}).second)
+        issues.add({}, title + " twice", "it has one value", "remove one of them");
+    }
+    std::vector<Prescribed> list;
+    for (const auto& [place, each] : all) list.push_back(each);
+    return list;
+  }
+
+  /// A force must act where an element, spring or mass does, itself or through a link.
+  void check_loads(const VectorXd& nodal, const LoadCase& load_case, IssueList& issues) const {
+    const Eigen::SparseMatrix<double, Eigen::RowMajor> rows = assembled_.expansion;
+    for (Index i = 0; i < nodal.size(); ++i)
+      if (nodal[i] != 0.0 && rows.innerVector(i).nonZeros() == 0) {
+        const NodalDof dof{i / 6, static_cast<int>(i % 6)};
+        issues.add({}, title_of(load_case) + " acts on " + dof_name(model_.mesh, dof) + ", where there is nothing",
+                   dof.direction < 3 ? "no element, spring or mass takes a force there"
+                                     : "a solid's nodes have no rotations, so nothing takes a moment there",
+                   "load another node, or link the node rigidly to others");
+      }
+  }
+
+  [[nodiscard]] std::string title_of(const LoadCase& load_case) const {
+    return "load case '" + load_case.name + "' of '" + model_.name + "'";
+  }
+
+  /// M R g with the rigid translations R.
+  [[nodiscard]] VectorXd weight(const Eigen::Vector3d& gravity) const {
+    if (gravity.isZero(0.0)) return VectorXd::Zero(assembled_.size());
+    return evaluate(assembled_.mass, assembled_.parameters) *
+           VectorXd(rigid_body_modes(model_, assembled_).leftCols<3>() * gravity);
+  }
+
+  static std::vector<Index> places_of(const std::vector<Prescribed>& prescribed) {
+    std::vector<Index> places;
+    for (const auto& each : prescribed) places.push_back(each.place);
+    return places;
+  }
+
+  /// Cases that hold the same degrees of freedom share a factor.
+  void factor(const std::vector<Prescribed>& prescribed) {
+    const auto held = places_of(prescribed);
+    if (!held_.contains(held)) try {
+        held_.try_emplace(held, stiffness_, held);
+      } catch (const NotPositiveDefinite&) {
+        throw InvalidInput("'" + model_.name + "' is free to move: " + free_motions_in_words(model_, assembled_, held),
+                           "under a load its displacement has no bounds",
+                           "add supports, springs to ground or imposed motions");
+      }
+  }
+
+  [[nodiscard]] Resultant applied(const VectorXd& nodal, const Eigen::Vector3d& gravity) const {
+    Resultant sum = resultant_of(model_.mesh, nonzero(nodal), middle());
+    Matrix6 mass = Matrix6::Zero();
+    for (const auto& part : assembled_.rigid_mass)
+      mass += affine_factor(part.powers, assembled_.parameters) * part.matrix;
+    const Eigen::Matrix<double, 6, 1> load = mass.leftCols<3>() * gravity;
+    return sum += {load.head<3>(), load.tail<3>(), Eigen::Vector3d::Zero()};
+  }
+
+  [[nodiscard]] Eigen::Vector3d middle() const { return box_frame(model_.mesh).centre; }
+
+  static std::vector<DofForce> nonzero(const VectorXd& nodal) {
+    std::vector<DofForce> forces;
+    for (Index i = 0; i < nodal.size(); ++i)
+      if (nodal[i] != 0.0) forces.push_back({{i / 6, static_cast<int>(i % 6)}, nodal[i]});
+    return forces;
+  }
+
+  /// Of supports and imposed motions from what is left of the equilibrium there, of grounds from their springs.
+  void add_reactions(const std::vector<Prescribed>& prescribed, const VectorXd& left, StaticSolution& solution) const {
+    std::map<std::string, std::vector<DofForce>> by_name;
+    for (const auto& [place, by, value] : prescribed)
+      by_name[by].push_back({assembled_.dofs[static_cast<std::size_t>(place)], left[place]});
+    for (const auto& spring : model_.springs)
+      if (!spring.to)
+        by_name[spring.ground].push_back(
+            {spring.from, -spring.stiffness * solution.displacements[all_index(spring.from)]});
+    for (const auto& joint : model_.joints)
+      if (is_grounded(joint)) add_forces_of(joint, solution.displacements, by_name[joint.name]);
+    solution.reaction_sum.centre = middle();
+    for (const auto& [name, forces] : by_name) {
+      Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+      for (const auto& force : forces)
+        centre += model_.mesh.nodes.col(force.dof.node) / static_cast<double>(forces.size());
+      solution.reactions.push_back({name, resultant_of(model_.mesh, forces, centre)});
+      solution.reaction_sum += solution.reactions.back().sum;
+      solution.support_forces.insert(solution.support_forces.end(), forces.begin(), forces.end());
+    }
+  }
+
+  /// Whether a rigid motion of the model deforms the joint, as one of an oblique spring to the ground.
+  [[nodiscard]] bool is_grounded(const JointSpring& joint) const {
+    std::vector<DofForce> unit;
+    for (const auto& [dof, coefficient] : joint.deformation) unit.push_back({dof, coefficient});
+    const Resultant sum = resultant_of(model_.mesh, unit, middle());
+    return relative_imbalance(model_.mesh, sum, unit) > 1e-9;
+  }
+
+  /// -k d c_i with the deformation d = sum c_i z_i.
+  static void add_forces_of(const JointSpring& joint, const VectorXd& displacements, std::vector<DofForce>& forces) {
+    double deformation = 0.0;
+    for (const auto& [dof, coefficient] : joint.deformation) deformation += coefficient * displacements[all_index(dof)];
+    for (const auto& [dof, coefficient] : joint.deformation)
+      forces.push_back({dof, -joint.stiffness * deformation * coefficient});
+  }
+
+  void judge_balance(const VectorXd& nodal, StaticSolution& solution) const {
+    auto forces = nonzero(nodal);
+    forces.insert(forces.end(), solution.support_forces.begin(), solution.support_forces.end());
+    Resultant sum = solution.applied;
+    sum += solution.reaction_sum;
+    solution.imbalance = relative_imbalance(model_.mesh, sum, forces);
+  }
+
+  const FiniteElementModel& model_;
+  std::vector<LoadCase> cases_;
+  std::map<NodalDof, std::string> supported_;
+  AssembledModel assembled_;  ///< without supports
+  SparseMatrix stiffness_;
+  std::vector<VectorXd> nodal_;                       ///< forces, by load case
+  std::vector<std::vector<Prescribed>> prescribed_;   ///< the same
+  std::map<std::vector<Index>, HeldStiffness> held_;  ///< by the places of what is prescribed
+};
+
+StaticAnalysis::StaticAnalysis(const FiniteElementModel& model, std::vector<LoadCase> cases)
+    : solver_(std::make_unique<const Solver>(model, std::move(cases))) {}
+StaticAnalysis::~StaticAnalysis() = default;
+
+const FiniteElementModel& StaticAnalysis::model() const { return solver_->model(); }
+const std::vector<LoadCase>& StaticAnalysis::cases() const { return solver_->cases(); }
+StaticSolution StaticAnalysis::solve(std::size_t load_case) const { return solver_->solve(load_case); }
+
+StaticSolution solve_statics(const FiniteElementModel& model, const LoadCase& load_case) {
+  return StaticAnalysis(model, {load_case}).solve(0);
+}
+
+}  // namespace kalfem

@@ -1,0 +1,173 @@
+#include "kalfem/model/statics/stresses.hpp"
+
+#include <array>
+#include <cmath>
+
+#include "kalfem/model/elements/solid_strains.hpp"
+
+namespace kalfem {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+/// Isotropic elasticity [Pa], or the property's.
+Matrix6 elasticity_of(const SolidProperty& property, const IsotropicMaterial& material) {
+  if (property.elasticity) return *property.elasticity;
+  return material.youngs_modulus * isotropic_elasticity(material.poissons_ratio);
+}
+
+/// A symmetric tensor of [xx yy xy] in a plane with the given axes (rows), as [xx yy zz xy yz xz] in global ones.
+Stress from_plane(const Eigen::Vector3d& plane, const Eigen::Matrix3d& axes) {
+  Eigen::Matrix3d tensor = Eigen::Matrix3d::Zero();
+  tensor.topLeftCorner<2, 2>() << plane[0], plane[2], plane[2], plane[1];
+  const Eigen::Matrix3d global = axes.transpose() * tensor * axes;
+  return (Stress() << global.diagonal(), global(0, 1), global(1, 2), global(0, 2)).finished();
+}
+
+/// Strains of one layer of a shell in global axes; the strain across it follows from the plane stress.
+Strain layer_strain(const Eigen::Vector3d& plane, const Eigen::Matrix3d& axes, double poissons_ratio) {
+  Strain strain = from_plane({plane[0], plane[1], 0.5 * plane[2]}, axes);
+  const double across = -poissons_ratio / (1.0 - poissons_ratio) * (plane[0] + plane[1]);
+  const Eigen::Vector3d n = axes.row(2);
+  strain += across * (Strain() << n.cwiseAbs2(), n[0] * n[1], n[1] * n[2], n[0] * n[2]).finished();
+  strain.tail<3>() *= 2.0;
+  return strain;
+}
+
+/// Recovers the cells of a region by the kind of its property.
+class Recovery {
+public:
+  Recovery(const FiniteElementModel& model, const VectorXd& displacements, const Eigen::Vector3d& acceleration,
+           RegionStress& region)
+      : model_(model), displacements_(displacements), acceleration_(acceleration), region_(region) {}
+
+  void operator()(const SolidProperty& property) {
+    const auto& material = model_.materials.at(property.material);
+    const Matrix6 elasticity = elasticity_of(property, material);
+    for_each_cell([&](Index index, const Cell& cell, std::size_t) {
+      const SolidStrains strains =
+          solid_strains(cell.shape, places(cell), property, material.poissons_ratio, motions(cell, 3));
+      const Index nodes = strains.cols() - 1;
+      region_.cells.push_back({.cell = index,
+                               .layers = {{.centre = elasticity * strains.col(nodes),
+                                           .strain = strains.col(nodes),
+                                           .at_nodes = elasticity * strains.leftCols(nodes)}}});
+    });
+  }
+
+  void operator()(const ShellProperty& property) {
+    const auto& material = model_.materials.at(property.material);
+    const double nu = material.poissons_ratio, t = property.thickness;
+    const ShellStiffness unit = isotropic_section(nu, t);
+    const Eigen::Matrix3d elasticity = material.youngs_modulus * plane_stress(nu);
+    for_each_cell([&](Index index, const Cell& cell, std::size_t) {
+      const ShellStrains strains =
+          shell_strains(places(cell), unit, property.offset, Eigen::Vector3d::Zero(), motions(cell, 6));
+      CellStress stress{.cell = index, .normal = strains.axes.row(2)};
+      for (const auto& [layer, height] :
+           {std::pair{Layer::top, 0.5 * t}, {Layer::middle, 0.0}, {Layer::bottom, -0.5 * t}}) {
+        const auto plane_strain = [&](const SectionStrain& all) -> Eigen::Vector3d {
+          return all.head<3>() + height * all.segment<3>(3);
+        };
+        const Eigen::Vector3d centre = plane_strain(strains.centre());
+        LayerStress part{.layer = layer,
+                         .centre = from_plane(elasticity * centre, strains.axes),
+                         .strain = layer_strain(centre, strains.axes, nu)};
+        part.at_nodes.resize(6, strains.corners.cols());
+        for (Index i = 0; i < strains.corners.cols(); ++i)
+          part.at_nodes.col(i) = from_plane(elasticity * plane_strain(strains.corners.col(i)), strains.axes);
+        stress.layers.push_back(std::move(part));
+      }
+      region_.cells.push_back(std::move(stress));
+      add_resultants(index, strains, material.youngs_modulus, unit);
+    });
+  }
+
+  void operator()(const LaminateProperty& property) {
+    for_each_cell([&](Index index, const Cell& cell, std::size_t place) {
+      const ShellStrains strains =
+          shell_strains(places(cell), property.stiffness, property.offset, property.direction(place), motions(cell, 6));
+      add_resultants(index, strains, 1.0, property.stiffness);
+    });
+  }
+
+  void operator()(const BeamProperty& property) {
+    const auto& material = model_.materials.at(property.material);
+    for_each_cell([&](Index index, const Cell& cell, std::size_t place) {
+      BeamStress stress{.cell = index,
+                        .ends = beam_forces(places(cell), property, property.placement(place), material,
+                                            model_.mass_kind, motions(cell, 6), acceleration_)};
+      for (std::size_t end = 0; end < 2; ++end) {
+        stress.axial[end] = stress.ends[end][0] / property.section.area;
+        stress.fibres[end] = fibre_stress(stress.ends[end], property.section);
+      }
+      region_.beams.push_back(stress);
+    });
+  }
+
+private:
+  template <class Visit>
+  void for_each_cell(const Visit& visit) {
+    const auto& cells = model_.mesh.regions.at(region_.region);
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      visit(cells[i], model_.mesh.cells[static_cast<std::size_t>(cells[i])], i);
+  }
+
+  [[nodiscard]] Eigen::Matrix3Xd places(const Cell& cell) const {
+    return model_.mesh.nodes(Eigen::all, model_.mesh.nodes_of(cell));
+  }
+
+  /// The first `count` motions of each node of the cell.
+  [[nodiscard]] VectorXd motions(const Cell& cell, Index count) const {
+    const auto nodes = model_.mesh.nodes_of(cell);
+    VectorXd all(count * static_cast<Index>(nodes.size()));
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      all.segment(count * static_cast<Index>(i), count) = displacements_.segment(6 * nodes[i], count);
+    return all;
+  }
+
+  void add_resultants(Index cell, const ShellStrains& strains, double modulus, const ShellStiffness& section) {
+    const SectionStrain centre = strains.centre();
+    const Eigen::Vector3d stretch = centre.head<3>(), bend = centre.segment<3>(3);
+    ShellResultants resultants{.cell = cell, .axes = strains.axes, .values = {}};
+    resultants.values << section.membrane * stretch + section.coupling * bend,
+        section.coupling * stretch + section.bending * bend, section.shear * centre.tail<2>();
+    resultants.values *= modulus;
+    region_.resultants.push_back(resultants);
+  }
+
+  const FiniteElementModel& model_;
+  const VectorXd& displacements_;
+  const Eigen::Vector3d& acceleration_;
+  RegionStress& region_;
+};
+
+}  // namespace
+
+double von_mises(const Stress& stress) {
+  const double xy = stress[0] - stress[1], yz = stress[1] - stress[2], zx = stress[2] - stress[0];
+  return std::sqrt(0.5 * (xy * xy + yz * yz + zx * zx) + 3.0 * stress.tail<3>().squaredNorm());
+}
+
+Eigen::Vector3d principal_stresses(const Stress& s) {
+  const Eigen::Matrix3d tensor{{s[0], s[3], s[5]}, {s[3], s[1], s[4]}, {s[5], s[4], s[2]}};
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(tensor, Eigen::EigenvaluesOnly).eigenvalues().reverse();
+}
+
+const char* to_string(Layer layer) {
+  constexpr std::array names = {"", "top", "middle", "bottom"};
+  return names[static_cast<std::size_t>(layer)];
+}
+
+std::vector<RegionStress> recover_stresses(const FiniteElementModel& model, const VectorXd& displacements,
+                                           const Eigen::Vector3d& acceleration) {
+  std::vector<RegionStress> regions;
+  for (const auto& [region, property] : model.properties) {
+    regions.push_back({.region = region});
+    std::visit(Recovery(model, displacements, acceleration, regions.back()), property);
+  }
+  return regions;
+}
+
+}  // namespace kalfem

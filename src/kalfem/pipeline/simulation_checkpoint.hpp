@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kalfem/pipeline/run_study.hpp"
+
+namespace kalfem {
+
+/// Name of the file that SimulationCheckpoint keeps in the folder of the results. It is removed once the run has ended.
+inline constexpr const char* simulation_name = "simulation.checkpoint";
+
+/// A simulation that ran to its end, with the pictures that were taken on the way.
+struct FinishedSimulation {
+  SimulationOutcome outcome;
+  std::vector<FieldSeries> fields;
+};
+
+/// Keeps the finished simulation of a run in a file, bit for bit. A run that was killed later takes it from there and
+/// ends with the same results.
+class SimulationCheckpoint {
+public:
+  /// An empty `folder` keeps nothing.
+  SimulationCheckpoint(const std::filesystem::path& folder, const Study& study);
+
+  /// Nothing if there is no file, or if it is damaged, belongs to another case, or to one whose files have changed.
+  [[nodiscard]] std::optional<FinishedSimulation> read() const;
+  /// Does nothing for a simulation that takes less time than it is worth to keep it. Throws as write_file_atomically().
+  void write(const FinishedSimulation& simulation) const;
+
+private:
+  std::filesystem::path file_;
+  std::string fingerprint_;
+};
+
+}  // namespace kalfem

@@ -1,0 +1,149 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "kalfem/report/sections.hpp"
+#include "kalfem/report/tables.hpp"
+#include "kalfem/statistics/quantiles.hpp"
+
+// Motion at points that no sensor measures, by the filter, and by the linear substructure that it drives; beside the
+// simulation where there is one, with the error below.
+
+namespace kalfem {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+const PointQuantity* find_point(const std::vector<PointQuantity>& points, const std::string& name,
+                                ObservedQuantity quantity) {
+  const auto found =
+      std::ranges::find_if(points, [&](const auto& p) { return p.point == name && p.quantity == quantity; });
+  return found == points.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> shown_points(const Study& study, const EstimationOutcome& outcome) {
+  std::vector<std::string> names;
+  names = study.report.displacements;
+  if (!names.empty()) return names;
+  const RestingPoints resting(outcome.points, outcome.settled);
+  for (const auto& point : outcome.points)
+    if (point.quantity == ObservedQuantity::displacement && names.size() < 2 && !resting.rests(point))
+      names.push_back(point.point);
+  return names;
+}
+
+/// "NRMSE 0.31 % in the band of the excitation, 0.5 to 30 Hz; 59.9 % of the whole signal, after 2 s."
+std::string error_words(const Study& study, const EstimationOutcome& outcome, const std::vector<PointQuantity>& points,
+                        const PointQuantity& point) {
+  if (RestingPoints(points, outcome.settled).rests(point)) return "The simulated structure is at rest there.";
+  if (!point.nrmse) return "";
+  const std::string after = fmt::format(", after {} s.", four_digits(study.problem->settings.settle));
+  if (!point.nrmse_in_band || !outcome.band) return "NRMSE " + per_cent(*point.nrmse) + after;
+  return fmt::format("NRMSE {} in the band of the excitation, {} to {} Hz; {} over the whole signal",
+                     per_cent(*point.nrmse_in_band), four_digits(outcome.band->from), four_digits(outcome.band->to),
+                     per_cent(*point.nrmse)) +
+         after;
+}
+
+/// One quantity over time, from settling on where `zoomed`.
+Chart over_time(const Study& study, const EstimationOutcome& outcome, const std::string& id, const std::string& title,
+                bool zoomed) {
+  const double from = outcome.measurements.time(outcome.settled);
+  Chart chart{.id = id + (zoomed ? "-zoom" : ""),
+              .title = title + (zoomed ? ", zoomed" : ""),
+              .x_label = "time [s]",
+              .x = times(outcome.measurements),
+              .half_width = true};
+  if (zoomed) chart.x_window = AxisRange{from, std::min(from + study.report.zoom, chart.x.back())};
+  return chart;
+}
+
+Chart motion_chart(const Study& study, const EstimationOutcome& outcome, const PointQuantity& point, bool zoomed) {
+  Chart chart = over_time(study, outcome, "displacement-" + point.point, "Displacement of " + point.point, zoomed);
+  chart.caption = error_words(study, outcome, outcome.points, point);
+  chart.series = {with_band("estimate", point.mean, point.deviation, Role::estimate)};
+  if (point.truth.size() > 0)
+    chart.series.push_back({.label = "simulated", .y = series_values(point.truth), .role = Role::truth});
+  return with_readable_ordinates(std::move(chart), "displacement", "m");
+}
+
+/// Estimate less truth, and twice the standard deviation that the filter states about zero.
+Chart error_chart(const Study& study, const EstimationOutcome& outcome, const PointQuantity& point, bool zoomed) {
+  Chart chart =
+      over_time(study, outcome, "error-" + point.point, "Error of the displacement of " + point.point, zoomed);
+  const VectorXd zero = VectorXd::Zero(point.mean.size()), twice = 2.0 * point.deviation;
+  chart.series = {
+      {.label = "± 2 standard deviations",
+       .y = series_values(zero),
+       .lower = series_values(-twice),
+       .upper = series_values(twice),
+       .role = Role::limit},
+      {.label = "estimate less truth", .y = series_values(point.mean - point.truth), .role = Role::estimate}};
+  const Index count = point.mean.size() - outcome.settled;
+  const auto inside = ((point.mean - point.truth).array().abs() <= twice.array()).tail(count).count();
+  chart.caption = fmt::format("After settling {} lie within ± 2 standard deviations (95.4 % expected).",
+                              per_cent(static_cast<double>(inside) / static_cast<double>(count)));
+  return with_readable_ordinates(std::move(chart), "error", "m");
+}
+
+void add_motion(const Study& study, const EstimationOutcome& outcome, const PointQuantity& point, Section& section) {
+  const bool with_error = point.truth.size() > 0 && point.deviation.size() > 0;
+  for (const bool zoomed : {false, true}) {
+    if (zoomed && outcome.settled + 1 >= outcome.measurements.samples()) continue;
+    section.items.emplace_back(motion_chart(study, outcome, point, zoomed));
+  }
+  for (const bool zoomed : {false, true}) {
+    if (!with_error || (zoomed && outcome.settled + 1 >= outcome.measurements.samples())) continue;
+    section.items.emplace_back(error_chart(study, outcome, point, zoomed));
+  }
+}
+
+}  // namespace
+
+Section motion_section(const Study& study, const EstimationOutcome& outcome) {
+  Section section{"Estimated motion", "Displacements that were not measured: whole record and after settling.", {}};
+  for (const auto& name : shown_points(study, outcome))
+    if (const auto* point = find_point(outcome.points, name, ObservedQuantity::displacement))
+      add_motion(study, outcome, *point, section);
+  if (auto table = error_table("NRMSE against the simulation", study, outcome.points, outcome.settled);
+      !table.rows.empty())
+    section.items.emplace_back(std::move(table));
+  if (auto table = error_table("NRMSE of the smoothed motion", study, outcome.smoothed_points, outcome.settled);
+      !table.rows.empty())
+    section.items.emplace_back(std::move(table));
+  return section;
+}
+
+Section prediction_section(const Study& study, const EstimationOutcome& estimation, const PredictionOutcome& outcome) {
+  Section section{"Prediction of '" + outcome.substructure + "'",
+                  "The linear substructure alone, driven by its estimated boundary accelerations.",
+                  {}};
+  const double from = estimation.measurements.time(estimation.settled);
+  const RestingPoints resting(outcome.points, estimation.settled);
+  int drawn = 0;
+  for (const auto& point : outcome.points) {
+    const bool of_interest = point.quantity == ObservedQuantity::acceleration && shown(study, point.point);
+    if (!of_interest || resting.rests(point) || drawn == 4) continue;
+    ++drawn;
+    Chart chart{.id = "prediction-" + point.point,
+                .title = "Acceleration of " + point.point,
+                .x_label = "time [s]",
+                .y_label = "acceleration [m/s^2]",
+                .x = times(estimation.measurements),
+                .series = {{.label = "predicted", .y = series_values(point.mean), .role = Role::predicted}},
+                .half_width = true};
+    if (point.truth.size() > 0)
+      chart.series.push_back({.label = "simulated", .y = series_values(point.truth), .role = Role::truth});
+    chart.caption = error_words(study, estimation, outcome.points, point);
+    if (from < chart.x.back()) chart.x_window = AxisRange{from, std::min(from + study.report.zoom, chart.x.back())};
+    section.items.emplace_back(std::move(chart));
+  }
+  if (auto table =
+          error_table("NRMSE against the simulation of the whole structure", study, outcome.points, estimation.settled);
+      !table.rows.empty())
+    section.items.emplace_back(std::move(table));
+  return section;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "kalfem/identification/finite_element_part.hpp"
+#include "kalfem/model/statics/statics.hpp"
+
+namespace kalfem {
+
+class IssueList;
+struct StructureModel;
+namespace description {
+struct Case;
+struct Statics;
+}  // namespace description
+
+/// Static load cases of a finite-element substructure, checked and factored.
+struct StaticsPlan {
+  FiniteElementPartPtr part;
+  std::shared_ptr<const StaticAnalysis> analysis;
+  std::vector<NamedNode> points;  ///< whose displacement and stress are reported
+};
+
+/// Looks up the nodes, groups and points that `static` names. Problems go to `issues` with their place: names that do
+/// not exist, a pressure where there are no faces, and everything that StaticAnalysis refuses.
+StaticsPlan make_statics_plan(const description::Case& given, const StructureModel& structure, IssueList& issues);
+
+/// The load cases of a substructure; null where the case has none of it.
+const description::Statics* statics_of(const description::Case& given, const std::string& substructure);
+/// Groups of the mesh that loads name.
+std::vector<std::string> load_groups_of(const description::Statics* statics);
+
+/// The stiffness that the stresses of a load case give a part, see geometric_stiffness(); the part is not assembled
+/// yet. Throws InvalidInput where there is no such load case and as make_statics_plan() does.
+SparseMatrix preload_stiffness(const FiniteElementPart& part, const Located<std::string>& load_case,
+                               const description::Statics* statics);
+
+}  // namespace kalfem
