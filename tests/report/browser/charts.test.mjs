@@ -35,10 +35,13 @@ test("charts of one value or none are drawn", async () => {
 test("charts that are folded away are drawn when they are opened", async () => {
   const page = await open(browser, "folded.html");
   assert.equal((await tally(page)).charts, "1");
+  await drag(page, "open", 0.25, 0.5);
   await page.click("summary:text-is('more')");
   await page.waitForFunction(() => document.body.dataset.charts === "3");
-  await drag(page, "open", 0.25, 0.5);
-  close((await shownTimes(page, "second"))[0], 5, 0.05);
+  close((await shownTimes(page, "first"))[0], 5, 0.05);  // it joins the zoom
+  await page.locator("#chart-first .u-over").dblclick();
+  await drag(page, "open", 0.5, 0.75);
+  close((await shownTimes(page, "second"))[0], 10, 0.05);
   assertQuiet(page);
 });
 
@@ -71,6 +74,19 @@ test("a drag zooms all charts over time, a double click shows everything", async
   const [from, to] = await shownTimes(page, "p5-late");
   close(from, 2, 0.01);
   close(to, 3.5, 0.01);
+  assertQuiet(page);
+});
+
+test("a chart off the screen is drawn when it comes into sight", async () => {
+  const page = await open(browser, "charts.html", {viewport: {width: 1400, height: 700}});
+  const picture = chart => page.evaluate(id => document.querySelector(`#chart-${id} canvas`).toDataURL(), chart);
+  const before = {near: await picture("mu_c1"), far: await picture("nis")};
+  await drag(page, "mu_k1", 0.25, 0.5);
+  await page.waitForTimeout(100);
+  assert.notEqual(await picture("mu_c1"), before.near);
+  assert.equal(await picture("nis"), before.far);
+  await page.locator("#chart-nis").scrollIntoViewIfNeeded();
+  await page.waitForFunction(old => document.querySelector("#chart-nis canvas").toDataURL() !== old, before.far);
   assertQuiet(page);
 });
 

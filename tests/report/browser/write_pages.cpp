@@ -1,5 +1,6 @@
 // write_pages FOLDER: the pages that the browser's tests open.
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -20,12 +21,11 @@ Page structure_page() {
 
 /// One chart in sight, the same twice folded away.
 Page folded_page() {
-  Chart chart{.id = "open",
-              .title = "open",
-              .x_label = "time [s]",
-              .y_label = "y",
-              .x = {0, 10, 20},
-              .series = {{.label = "a", .y = {1, 3, 2}}}};
+  Chart chart{.id = "open", .title = "open", .x_label = "time [s]", .y_label = "y", .series = {{.label = "a"}}};
+  for (int k = 0; k <= 2000; ++k) {
+    chart.x.push_back(0.01 * k);
+    chart.series[0].y.push_back(std::sin(0.01 * k));
+  }
   Page page{.title = "Folded", .sections = {{"Charts", "", {chart}}}};
   chart.fold = "more";
   for (const char* name : {"first", "second"}) {

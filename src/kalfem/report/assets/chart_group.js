@@ -16,10 +16,13 @@ export class ChartGroup {
     });
   }
 
+  // A chart that is drawn later, because it was folded away, joins the zoom of the others.
   add(view) {
+    const zoomed = this.together && this.alike(view).find(other => other.view.zoomed);
     this.views.push(view);
     this.sight.observe(view.canvas);
     this.room.observe(view.canvas);
+    if (zoomed) this.zoomAll([view], zoomed.view.x);
   }
 
   viewOf(canvas) { return this.views.find(view => view.canvas === canvas); }

@@ -73,8 +73,8 @@ class ChartDrawing {
     return `<g text-anchor="end" fill="${muted}">\n` + ticks.map(({value, label}) =>
         `<path d="M${dot(left - 5)} ${this.y(value)}H${dot(left + width)}" stroke="${grid}"/>` +
         `<text x="${dot(left - 9)}" y="${this.y(value)}" dy="4">${label}</text>\n`).join("") +
-        `<text x="${atTitle}" y="${middle}" text-anchor="middle" transform="rotate(-90 ${atTitle} ${middle})">${title}</text>\n` +
-        "</g>\n";
+        `<text x="${atTitle}" y="${middle}" text-anchor="middle" transform="rotate(-90 ${atTitle} ${middle})">` +
+        `${title}</text>\n</g>\n`;
   }
 
   curve(curve) {

@@ -15,6 +15,6 @@ export function startTally() {
 }
 
 export function countResources() {
-  count("resources", performance.getEntriesByType("resource").length +
-                     document.querySelectorAll("[src]:not([src^='data:']), link[href], [href^='http'], [href^='//']").length);
+  const outside = "[src]:not([src^='data:']), link[href], [href^='http'], [href^='//']";
+  count("resources", performance.getEntriesByType("resource").length + document.querySelectorAll(outside).length);
 }

@@ -12,7 +12,8 @@ export class Key {
     this.regions = make("span", {class: "group"}, ...regions.slice(0, mostRegions).map(regionEntry));
     if (regions.length > mostRegions) this.regions.append(`and ${regions.length - mostRegions} more`);
     this.largest = make("span", {});
-    this.scale = make("span", {}, "displacement 0", make("i", {class: "scale", style: `background:${gradient}`}), this.largest);
+    const bar = make("i", {class: "scale", style: `background:${gradient}`});
+    this.scale = make("span", {}, "displacement 0", bar, this.largest);
     this.node = make("div", {class: "key"}, this.regions, this.scale,
                      ...[...new Set(marks.map(mark => mark.kind))].map(markEntry));
     this.showFor(null);

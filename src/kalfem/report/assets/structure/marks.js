@@ -3,14 +3,15 @@
 import {Vector3} from "three";
 import {make} from "../dom.js";
 
+const drawn = (shape, width) => `<g fill="none" stroke-width="${width}">${shape}</g>`;
 const symbols = {
-  sensor:    {color: "--estimate",  name: "sensor",    shape: '<circle cx="7" cy="7" r="4.2" fill="none" stroke-width="2.6"/>'},
-  input:     {color: "--predicted", name: "force",     shape: '<path d="M7 1v8M3.4 6.4L7 12l3.6-5.6" fill="none" stroke-width="2.2"/>'},
-  boundary:  {color: "--limit",     name: "boundary",  shape: '<rect x="2.5" y="2.5" width="9" height="9" rx="1.5"/>'},
-  connector: {color: "--initial",   name: "connector", shape: '<path d="M7 1l6 6-6 6-6-6z"/>'},
-  spring:    {color: "--other-1",   name: "spring to ground", shape: '<path d="M1 10l2.4-6L7 10l3.6-6L13 10" fill="none" stroke-width="2"/>'},
-  mass:      {color: "--truth",     name: "mass",      shape: '<circle cx="7" cy="7" r="4.8"/>'},
-  support:   {color: "--limit",     name: "support",   shape: '<path d="M7 2l6 10H1z"/>'},
+  sensor: {name: "sensor", color: "--estimate", shape: drawn('<circle cx="7" cy="7" r="4.2"/>', 2.6)},
+  input: {name: "force", color: "--predicted", shape: drawn('<path d="M7 1v8M3.4 6.4L7 12l3.6-5.6"/>', 2.2)},
+  boundary: {name: "boundary", color: "--limit", shape: '<rect x="2.5" y="2.5" width="9" height="9" rx="1.5"/>'},
+  connector: {name: "connector", color: "--initial", shape: '<path d="M7 1l6 6-6 6-6-6z"/>'},
+  spring: {name: "spring to ground", color: "--other-1", shape: drawn('<path d="M1 10l2.4-6L7 10l3.6-6L13 10"/>', 2)},
+  mass: {name: "mass", color: "--truth", shape: '<circle cx="7" cy="7" r="4.8"/>'},
+  support: {name: "support", color: "--limit", shape: '<path d="M7 2l6 10H1z"/>'},
 };
 
 export const symbol = kind => `<svg viewBox="0 0 14 14" aria-hidden="true" style="color:var(${symbols[kind].color})" ` +

@@ -17,18 +17,15 @@ export class StructureMesh {
     this.colors = new BufferAttribute(new Float32Array(structure.places.length), 3).setUsage(DynamicDrawUsage);
     this.group = new Group();
     this.addFaces(structure);
-    this.beams = structure.beamsByRegion.map((ends, region) => this.addBeams(ends, structure.regions[region]));
+    this.beams = structure.regions.map(({colour}, region) => this.addBeams(structure.beamsByRegion[region], colour));
     this.edges = this.addLines(structure.edges, new LineBasicMaterial({transparent: true}));
     this.creases = this.addLines(structure.creases, new LineBasicMaterial({transparent: true}));
     this.links = this.addLines(endsOf(lines, false), new LineBasicMaterial({transparent: true}));
     this.connectors = this.addDashed(endsOf(lines, true), structure.size / dashes);
-    this.outline = new LineSegments(
-        this.geometry([...structure.creases, ...structure.beamsByRegion.flat()], new BufferAttribute(this.resting, 3)),
-        new LineBasicMaterial({transparent: true, opacity: 0.45}));
-    this.outline.frustumCulled = false;
-    this.group.add(this.outline);
+    this.outline = this.addLines([...structure.creases, ...structure.beamsByRegion.flat()],
+                                 new LineBasicMaterial({transparent: true}), new BufferAttribute(this.resting, 3));
     this.takePageColors();
-    this.showStill();
+    this.showUndeformed();
   }
 
   addFaces({trianglesByRegion, regions}) {
@@ -47,20 +44,23 @@ export class StructureMesh {
   }
 
   // Lines of some width, which have lists of their own to keep.
-  addBeams(ends, region) {
-    const material = new LineMaterial({linewidth: beamWidth, color: region?.colour});
+  addBeams(ends, color) {
+    const material = new LineMaterial({linewidth: beamWidth, color});
     const object = new LineSegments2(new LineSegmentsGeometry(), material);
     object.geometry.setPositions(new Float32Array(3 * ends.length));
     object.geometry.setColors(new Float32Array(3 * ends.length));
     object.visible = ends.length > 0;
-    return {ends, object: this.add(object), material, color: region?.colour};
+    return {ends, object: this.add(object), material, color};
   }
 
-  addLines(ends, material) { return this.add(new LineSegments(this.geometry(ends), material)); }
+  addLines(ends, material, places = this.places) {
+    return this.add(new LineSegments(this.geometry(ends, places), material));
+  }
 
   // Dashes need lengths along each line, so the ends are copied.
   addDashed(ends, length) {
-    const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array(3 * ends.length), 3));
+    const places = new BufferAttribute(new Float32Array(3 * ends.length), 3);
+    const geometry = new BufferGeometry().setAttribute("position", places);
     const material = new LineDashedMaterial({dashSize: 0.6 * length, gapSize: 0.4 * length});
     return Object.assign(this.add(new LineSegments(geometry, material)), {ends, visible: ends.length > 0});
   }
@@ -84,12 +84,13 @@ export class StructureMesh {
     this.links.material.opacity = 0.35;
     this.connectors.material.color.set(cssColor("--initial"));
     this.outline.material.color.set(cssColor("--muted"));
+    this.outline.material.opacity = 0.45;
   }
 
   setEdges(shown) { this.edges.visible = shown; }
 
-  // Undeformed, a colour for each region.
-  showStill() {
+  // At rest, a colour for each region.
+  showUndeformed() {
     this.places.array.set(this.resting);
     this.faces.material = this.byRegion;
     this.outline.visible = false;
@@ -121,7 +122,8 @@ export class StructureMesh {
 
   update() {
     this.places.needsUpdate = true;
-    for (const {object, ends} of this.beams) copyRows(this.places.array, ends, object.geometry.attributes.instanceStart.data);
+    for (const {object, ends} of this.beams)
+      copyRows(this.places.array, ends, object.geometry.attributes.instanceStart.data);
     copyRows(this.places.array, this.connectors.ends, this.connectors.geometry.attributes.position);
     this.connectors.computeLineDistances();
   }

@@ -13,8 +13,8 @@ import {OrbitCamera} from "./orbit_camera.js";
 import {unpackedStructure} from "./structure_data.js";
 import {StructureMesh} from "./structure_mesh.js";
 
-const hint = "Drag to turn, Shift and drag to move, wheel or pinch to zoom. With the keyboard: arrows turn, with Shift they " +
-             "move, + and \u2212 zoom, 0 returns, the space bar plays.";
+const hint = "Drag to turn, Shift and drag to move, wheel or pinch to zoom. With the keyboard: arrows turn, with Shift " +
+             "they move, + and \u2212 zoom, 0 returns, the space bar plays.";
 
 const mostEdgesAtFirst = 6000;  // of elements; more would cover the colours
 
@@ -32,8 +32,9 @@ export class StructureView {
     this.displacement = new Float32Array(this.structure.places.length);
     Object.assign(this, {field: null, time: 0, playing: false, speed: speeds["1/4 speed"], amplitude: amplitudes.value,
                          onScreen: true});
+    const description = `${title}. ${this.fields.map(field => field.name).join("; ")}. ${hint}`;
     this.stage = make("div", {class: "stage", tabindex: "0", role: "application", "aria-roledescription": "structure",
-                              "aria-label": `${title}. ${this.fields.map(field => field.name).join("; ")}. ${hint}`, title: hint},
+                              "aria-label": description, title: hint},
                       this.renderer.domElement, this.marks.node);
     room.replaceChildren(this.controls.node, this.stage, this.key.node);
     this.buildScene();
@@ -111,7 +112,7 @@ export class StructureView {
   deform() {
     this.request();
     const {field, displacement} = this;
-    if (!field) { this.key.showFor(null); return this.mesh.showStill(); }
+    if (!field) { this.key.showFor(null); return this.mesh.showUndeformed(); }
     const enlarged = this.amplitude * this.structure.size / field.peak;
     this.key.showFor(field, enlarged);
     const coordinates = field.coordinatesAt(this.time);
