@@ -19,7 +19,6 @@ struct Shown {
     }
   }
 };
-};
 
 TEST(JobProgress, ShowsTheStepsPlaceAndTheFractionOfTheWhole) {
   Shown shown;

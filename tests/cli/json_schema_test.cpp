@@ -97,10 +97,10 @@ TEST_F(JsonSchema, RefusesWhatIsWrong) {
                                            {"a: {", "a b: {"},
                                            {"kalfem: 1\n", ""}})
     EXPECT_FALSE(verdict_of_text(with(old_text, new_text)).first) << old_text << " -> " << new_text;
-  for (const auto& [old_text, new_text] : {std::pair<std::string, std::string>{"saturating", "${LAW:-saturating}"},
-                                           {"newmark", "${HOW:-newmark}"},
-                                           {"20 s", "${LONG:-20 s}"},
-                                           {"masses: 2", "masses: ${COUNT:-2}"},
+  for (const auto& [old_text, new_text] : {std::pair<std::string, std::string>{"saturating", "'${LAW:-saturating}'"},
+                                           {"newmark", "'${HOW:-newmark}'"},
+                                           {"20 s", "'${LONG:-20 s}'"},
+                                           {"masses: 2", "masses: '${COUNT:-2}'"},
                                            {"15 %", "1e-3 m/s^2"}})
     EXPECT_TRUE(verdict_of_text(with(old_text, new_text)).first) << old_text << " -> " << new_text;
 }

@@ -47,7 +47,7 @@ TEST(Terminal, TellsMoreWhenAsked) {
 TEST(Terminal, ShowsOneJobIntoAPipe) {
   const ScratchFolder folder("lines");
   std::string text = short_case("long");
-  text.replace(text.find("tolerance: 1e-2"), 15, "substeps: 2000");
+  text.replace(text.find("tolerance: 1e-2"), 15, "substeps: 1000");
   text.replace(text.find("duration: 0.5 s"), 15, "duration: 10 s");
   text.replace(text.find("settle: 0.1 s"), 13, "settle: 0.1 s, substeps: 100, diagnose: false");
   const auto outcome = run_command("run " + write_case(folder, "case.yaml", text), folder);

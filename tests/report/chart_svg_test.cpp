@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <fmt/format.h>
-
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <regex>
@@ -62,9 +61,13 @@ TEST(ChartSvg, ThinsLongRecordsAndKeepsTheirPeaks) {
   ASSERT_TRUE(std::regex_search(
       svg, clip,
       std::regex("<clipPath[^>]*><rect x=\"[0-9.]+\" y=\"([0-9.]+)\" width=\"[0-9.]+\" height=\"([0-9.]+)\"")));
-  // The peak is 1/22 of the height below the top, as the range has 5 % of room at either end.
+  // The range has 5 % of room at either end.
   const double peak = std::stod(clip[1]) + std::stod(clip[2]) * 0.05 / 1.1;
-  EXPECT_NE(svg.find(fmt::format(" {:.1f}", peak)), std::string::npos) << peak;
+  double highest = std::numeric_limits<double>::infinity();
+  const std::regex point("L[0-9.]+ ([0-9.]+)");
+  for (std::sregex_iterator at(svg.begin(), svg.end(), point), end; at != end; ++at)
+    highest = std::min(highest, std::stod((*at)[1]));
+  EXPECT_NEAR(highest, peak, 0.01);
 }
 
 TEST(ChartSvg, LeavesGapsWhereNothingIsKnown) {
@@ -73,7 +76,7 @@ TEST(ChartSvg, LeavesGapsWhereNothingIsKnown) {
     chart.series[0].y[k] = chart.series[0].lower[k] = std::numeric_limits<double>::quiet_NaN();
   const std::string svg = chart_svg(chart);
   EXPECT_EQ(svg.find("nan"), std::string::npos);
-  EXPECT_EQ(count(svg, "M[0-9. ]+L[^\"]*Z M|Z\\s*M|ZM"), 1U);  // two stretches of the band
+  EXPECT_EQ(count(svg, "ZM"), 1U);  // two stretches of the band
 }
 
 TEST(ChartSvg, ShowsTheWindowOnly) {

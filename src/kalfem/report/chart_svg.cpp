@@ -79,7 +79,7 @@ struct Axis {
   Axis(AxisRange values, double begin, double end, int most_ticks) : range(values), from(begin), to(end) {
     ticks = axis_ticks(range[0], range[1], most_ticks);
     const double size = std::max(std::abs(range[0]), std::abs(range[1]));
-    if (size < 1e-2 || size >= 1e4) exponent = 3 * static_cast<int>(std::floor(std::log10(size) / 3.0));
+    if (size < 0.1 || size >= 1e4) exponent = 3 * static_cast<int>(std::floor(std::log10(size) / 3.0));
   }
 
   [[nodiscard]] double at(double value) const {

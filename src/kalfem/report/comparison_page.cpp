@@ -9,6 +9,7 @@
 
 #include "kalfem/report/comparison_report.hpp"
 #include "kalfem/report/run_series.hpp"
+#include "kalfem/report/sections.hpp"
 
 namespace kalfem {
 namespace {
@@ -36,10 +37,7 @@ std::vector<double> interpolated(const VectorXd& x, const VectorXd& y, const std
 /// One parameter in all runs that followed it: over time by the filter, or over the iterations of the updating.
 std::optional<Chart> course_chart(const RunComparison& comparison, const std::vector<RunSeries>& series,
                                   const ComparedParameter& parameter, bool of_filter) {
-  Chart chart{.title = parameter.name,
-              .x_label = of_filter ? "time [s]" : "evaluation",
-              .y_label = fmt::format("{} [{}]", parameter.name, parameter.unit),
-              .half_width = true};
+  Chart chart{.title = parameter.name, .x_label = of_filter ? "time [s]" : "evaluation", .half_width = true};
   struct Course {
     std::size_t run;
     ParameterCourse values;
@@ -69,7 +67,7 @@ std::optional<Chart> course_chart(const RunComparison& comparison, const std::ve
   if (parameter.truth)
     chart.series.push_back(
         {.label = "truth", .y = std::vector<double>(chart.x.size(), *parameter.truth), .role = Role::truth});
-  return chart;
+  return with_readable_ordinates(std::move(chart), parameter.name, parameter.unit);
 }
 
 Section courses_section(const RunComparison& comparison) {

@@ -86,6 +86,7 @@ Named<NamedErrors> errors_by_point(const Json& points) {
     for (const auto& [key, value] : quantities.items()) {
       std::string name = key;
       if (const auto at = name.find(ending); at != std::string::npos) name.erase(at, ending.size());
+      std::ranges::replace(name, '_', ' ');
       own.emplace_back(name, value.is_null() ? std::nullopt : std::optional(value.get<double>()));
     }
   }

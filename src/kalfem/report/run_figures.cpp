@@ -31,10 +31,11 @@ public:
 
   std::vector<Figure> make(const std::vector<std::string>& points) {
     add_parameters();
-    for (const auto& point : points.empty() ? moving_points() : checked(points)) add_displacement(point);
-    auto predicted = owners("/prediction", "acceleration");
-    if (points.empty()) predicted.resize(std::min(predicted.size(), points_unasked));
-    for (const auto& point : points.empty() ? predicted : points) add_acceleration(point);
+    const bool unasked = points.empty();
+    for (const auto& point : unasked ? first_moving("/estimate", "displacement", run_.states) : checked(points))
+      add_displacement(point);
+    for (const auto& point : unasked ? first_moving("/prediction", "acceleration", run_.prediction) : points)
+      add_acceleration(point);
     for (const auto& connector : owners("/estimate", "force")) add_force(connector);
     for (const auto& sensor : owners("/validation", "measured")) add_validation(sensor);
     for (const auto& sensor : owners("/predictive", "measured")) add_predictive(sensor);
@@ -53,16 +54,16 @@ private:
     return names;
   }
 
-  /// Points with an estimated displacement that are not at rest, which the summary tells by null.
-  [[nodiscard]] std::vector<std::string> moving_points() const {
+  /// The first points that move, in the order of the summary, where an error of null tells of rest. Without a reference
+  /// there are no errors: then the first ones of the file.
+  [[nodiscard]] std::vector<std::string> first_moving(const std::string& group, const std::string& quantity,
+                                                      const Named<NamedErrors>& errors) const {
     std::vector<std::string> names;
-    for (const auto& name : owners("/estimate", "displacement")) {
-      const auto errors = std::ranges::find(run_.states, name, [](const auto& each) { return each.first; });
-      const bool rests = errors != run_.states.end() && std::ranges::any_of(errors->second, [](const auto& error) {
-                           return error.first == "displacement" && !error.second;
-                         });
-      if (!rests && names.size() < points_unasked) names.push_back(name);
-    }
+    for (const auto& [point, own] : errors)
+      for (const auto& [name, error] : own)
+        if (name == quantity && error) names.push_back(point);
+    if (errors.empty()) names = owners(group, quantity);
+    names.resize(std::min(names.size(), points_unasked));
     return names;
   }
 
@@ -106,7 +107,6 @@ private:
   void add_parameter(const FoundParameter& parameter, const ParameterCourse& course, const std::string& x_label) {
     Chart chart{.title = parameter.name,
                 .x_label = x_label,
-                .y_label = fmt::format("{} [{}]", parameter.name, parameter.unit),
                 .x = series_values(course.x),
                 .series = {{.label = course.lower.size() > 0 ? "estimate, 95 % band" : "estimate",
                             .y = series_values(course.mean),
@@ -116,7 +116,7 @@ private:
     if (parameter.truth)
       chart.series.push_back(
           {.label = "truth", .y = std::vector<double>(chart.x.size(), *parameter.truth), .role = Role::truth});
-    add("parameter-" + parameter.name, std::move(chart));
+    add("parameter-" + parameter.name, with_readable_ordinates(std::move(chart), parameter.name, parameter.unit));
   }
 
   void add_displacement(const std::string& point) {
@@ -163,18 +163,28 @@ private:
     add("acceleration-" + point, std::move(chart));
   }
 
+  /// The path about the largest deformation: that of a whole record would be a blot.
   void add_force(const std::string& connector) {
-    Chart chart{
-        .title = "Force of " + connector, .x_label = "deformation [m]", .y_label = "force [N]", .scatter = true};
+    Chart chart{.title = "Force of " + connector, .scatter = true};
+    std::optional<AxisRange> window;
     for (const auto& [group, label, role] :
          {std::tuple{"/estimate/", "estimate", Role::estimate}, {"/truth/", "simulated", Role::truth}}) {
       const auto deformation = series_.read(group + connector + "/deformation");
       const auto force = series_.read(group + connector + "/force");
-      if (deformation && force && deformation->size() == force->size())
-        chart.series.push_back(
-            {.label = label, .y = series_values(*force), .role = role, .x = series_values(*deformation)});
+      if (!deformation || !force || deformation->size() != force->size()) continue;
+      const auto time = times_of(*deformation);
+      if (!window && time.size() > 1) window = about_the_largest(time, series_values(*deformation));
+      if (!window) return;
+      const auto first = std::ranges::lower_bound(time, window->front()) - time.begin();
+      const auto count = std::ranges::upper_bound(time, window->back()) - time.begin() - first;
+      chart.series.push_back({.label = label,
+                              .y = series_values(force->segment(first, count)),
+                              .role = role,
+                              .x = series_values(deformation->segment(first, count))});
     }
-    if (!chart.series.empty()) add("force-" + connector, std::move(chart));
+    if (chart.series.empty()) return;
+    chart = with_readable_abscissae(std::move(chart), "deformation", "m");
+    add("force-" + connector, with_readable_ordinates(std::move(chart), "force", "N"));
   }
 
   /// Curves of one sensor over the time of their group.

@@ -18,7 +18,7 @@ struct Figure {
 ///   parameter-<name>              estimate over time with its 95 % band, and the truth; of an updating over
 ///   evaluations displacement-<point>{,-zoom}  estimated and simulated displacement, whole and a part about the largest
 ///   motion acceleration-<point>          predicted and simulated acceleration of the driven substructure
-///   force-<connector>             estimated and simulated connector force over the deformation
+///   force-<connector>             estimated and simulated connector force over the deformation, about the largest one
 ///   validation-<sensor>           measured and simulated on the validation part
 ///   predictive-<sensor>           measured, and the posterior's prediction with its 95 % band
 ///   response-<comparison>-<i>     frequency response: measured, before and after the updating
