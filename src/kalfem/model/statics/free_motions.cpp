@@ -22,6 +22,14 @@ Eigen::MatrixXd scaled_motions(const FiniteElementModel& model, const AssembledM
   return rigid_motions(places, frame);
 }
 
+/// The largest rotation of a motion, of one without rotation the largest translation.
+Index pivot_of(const Eigen::Matrix<double, 6, 1>& motion) {
+  Index largest = 0;
+  if (motion.tail<3>().cwiseAbs().maxCoeff(&largest) > 1e-6 * motion.norm()) return 3 + largest;
+  motion.head<3>().cwiseAbs().maxCoeff(&largest);
+  return largest;
+}
+
 /// Combinations of the six motions that neither move a held degree of freedom nor strain anything, as simple ones as
 /// there are: the reduced row echelon form of the null space, translations first.
 Matrix6X free_rigid_motions(const Eigen::MatrixXd& motions, const SparseMatrix& stiffness,
@@ -33,8 +41,7 @@ Matrix6X free_rigid_motions(const Eigen::MatrixXd& motions, const SparseMatrix& 
   Eigen::MatrixXd space = spectrum.eigenvectors().leftCols((spectrum.eigenvalues().array() < 1e-10).count());
   std::map<Index, Index> columns;  // by pivot
   for (Index column = 0; column < space.cols(); ++column) {
-    Index pivot = 0;
-    space.col(column).cwiseAbs().maxCoeff(&pivot);
+    const Index pivot = pivot_of(space.col(column));
     space.col(column) /= space(pivot, column);
     columns[pivot] = column;
     for (Index other = 0; other < space.cols(); ++other)
