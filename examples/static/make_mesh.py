@@ -16,7 +16,7 @@ def place(ray, ring):
     outer = HALF_WIDTH / max(direction)
     share = (GROWTH**ring - 1.0) / (GROWTH**OUTWARDS - 1.0)
     distance = RADIUS + share * (outer - RADIUS)
-    return tuple(distance * component for component in direction)
+    return tuple(round(distance * component, 9) for component in direction)
 
 
 def node(ray, ring):

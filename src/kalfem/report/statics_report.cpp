@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "kalfem/report/summary_parts.hpp"
@@ -80,9 +81,10 @@ Json case_json(const StaticsPlan& plan, const StaticCaseOutcome& each) {
 /// "301.2 MPa".
 std::string pressure_text(double value) { return four_digits(1e-6 * value) + " MPa"; }
 
-std::vector<std::string> digits(const Eigen::Ref<const Eigen::VectorXd>& values, double unit = 1.0) {
+/// What is below `rounding` is 0.
+std::vector<std::string> digits(const Eigen::Ref<const Eigen::VectorXd>& values, double rounding = 0.0) {
   std::vector<std::string> texts;
-  for (const double value : values) texts.push_back(four_digits(value / unit));
+  for (const double value : values) texts.push_back(four_digits(std::abs(value) <= rounding ? 0.0 : value));
   return texts;
 }
 
@@ -91,10 +93,32 @@ std::vector<std::string> joined(std::vector<std::string> first, const std::vecto
   return first;
 }
 
-std::vector<std::string> resultant_row(const std::string& load_case, const std::string& of,
-                                       const Resultant& resultant) {
-  return joined(joined({load_case, of}, digits(resultant.force)), digits(resultant.moment));
-}
+/// Rows of a load case: loads, reactions and their sum, without the rounding of the largest of them.
+class ResultantRows {
+public:
+  explicit ResultantRows(const StaticSolution& solution) {
+    add(solution.load_case, "loads", solution.applied);
+    for (const auto& reaction : solution.reactions) add(solution.load_case, reaction.name, reaction.sum);
+    add(solution.load_case, "sum of reactions", solution.reaction_sum);
+  }
+
+  void append_to(Table& table) const {
+    constexpr double rounding = 1e-9;
+    for (const auto& [names, resultant] : rows_)
+      table.rows.push_back(joined(joined(names, digits(resultant.force, rounding * force_)),
+                                  digits(resultant.moment, rounding * moment_)));
+  }
+
+private:
+  void add(const std::string& load_case, const std::string& of, const Resultant& resultant) {
+    rows_.push_back({{load_case, of}, resultant});
+    force_ = std::max(force_, resultant.force.norm());
+    moment_ = std::max({moment_, resultant.moment.norm(), resultant.centre.norm() * resultant.force.norm()});
+  }
+
+  std::vector<std::pair<std::vector<std::string>, Resultant>> rows_;
+  double force_ = 0.0, moment_ = 0.0;  ///< the largest
+};
 
 }  // namespace
 
@@ -125,7 +149,8 @@ Table static_points_table(const StaticsOutcome& outcome) {
       {}};
   for (const auto& each : outcome.cases)
     for (const auto& point : each.points) {
-      auto row = joined({each.solution.load_case, point.name}, digits(point.displacement));
+      const double largest = each.solution.displacements.cwiseAbs().maxCoeff();
+      auto row = joined({each.solution.load_case, point.name}, digits(point.displacement, 1e-9 * largest));
       row.push_back(point.stress ? pressure_text(von_mises(point.stress->stress)) : "-");
       row.emplace_back(point.stress && point.stress->layer != Layer::solid ? to_string(point.stress->layer) : "-");
       table.rows.push_back(std::move(row));
@@ -138,13 +163,7 @@ Table reactions_table(const StaticsOutcome& outcome) {
               {"load case", "of", "F_x [N]", "F_y [N]", "F_z [N]", "M_x [N m]", "M_y [N m]", "M_z [N m]"},
               {},
               {}};
-  for (const auto& each : outcome.cases) {
-    const auto& solution = each.solution;
-    table.rows.push_back(resultant_row(solution.load_case, "loads", solution.applied));
-    for (const auto& reaction : solution.reactions)
-      table.rows.push_back(resultant_row(solution.load_case, reaction.name, reaction.sum));
-    table.rows.push_back(resultant_row(solution.load_case, "sum of reactions", solution.reaction_sum));
-  }
+  for (const auto& each : outcome.cases) ResultantRows(each.solution).append_to(table);
   return table;
 }
 

@@ -40,7 +40,7 @@ public:
   StressPicture(const Mesh& mesh, const StaticCaseOutcome& each) : mesh_(mesh), stresses_(cell_stresses(mesh, each)) {
     deform(each.solution.displacements);
     divide_into_bands();
-    if (!each.peaks.empty()) options_.marks.push_back({MarkKind::finding, each.peaks.front().node, "largest stress"});
+    if (!each.peaks.empty()) options_.marks.push_back({MarkKind::point, each.peaks.front().node, "largest stress"});
   }
 
   [[nodiscard]] std::string svg() const { return mesh_picture_svg(mesh_, options_); }

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <cstdio>
+#include <map>
 
 #include "kalfem/model/assembly/rigid_body.hpp"
 #include "kalfem/model/statics/equilibrium.hpp"
@@ -21,8 +22,16 @@ Eigen::MatrixXd scaled_motions(const FiniteElementModel& model, const AssembledM
   return rigid_motions(places, frame);
 }
 
+/// The largest rotation of a motion, of one without rotation the largest translation.
+Index pivot_of(const Eigen::Matrix<double, 6, 1>& motion) {
+  Index largest = 0;
+  if (motion.tail<3>().cwiseAbs().maxCoeff(&largest) > 1e-6 * motion.norm()) return 3 + largest;
+  motion.head<3>().cwiseAbs().maxCoeff(&largest);
+  return largest;
+}
+
 /// Combinations of the six motions that neither move a held degree of freedom nor strain anything, as simple ones as
-/// there are: the reduced row echelon form of the null space.
+/// there are: the reduced row echelon form of the null space, translations first.
 Matrix6X free_rigid_motions(const Eigen::MatrixXd& motions, const SparseMatrix& stiffness,
                             const std::vector<Index>& held) {
   const Eigen::VectorXd scale = stiffness.diagonal().cwiseMax(0.0).cwiseSqrt();
@@ -30,14 +39,18 @@ Matrix6X free_rigid_motions(const Eigen::MatrixXd& motions, const SparseMatrix& 
   for (const auto place : held) resisted += motions.row(place).transpose() * motions.row(place);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(resisted);
   Eigen::MatrixXd space = spectrum.eigenvectors().leftCols((spectrum.eigenvalues().array() < 1e-10).count());
+  std::map<Index, Index> columns;  // by pivot
   for (Index column = 0; column < space.cols(); ++column) {
-    Index pivot = 0;
-    space.col(column).cwiseAbs().maxCoeff(&pivot);
+    const Index pivot = pivot_of(space.col(column));
     space.col(column) /= space(pivot, column);
+    columns[pivot] = column;
     for (Index other = 0; other < space.cols(); ++other)
       if (other != column) space.col(other) -= space(pivot, other) * space.col(column);
   }
-  return space.unaryExpr([](double value) { return std::abs(value) < 1e-6 ? 0.0 : value; });
+  Matrix6X sorted(6, space.cols());
+  Index place = 0;
+  for (const auto& [pivot, column] : columns) sorted.col(place++) = space.col(column);
+  return sorted.unaryExpr([](double value) { return std::abs(value) < 1e-6 ? 0.0 : value; });
 }
 
 std::string vector_in_words(const Eigen::Vector3d& vector) {
