@@ -53,7 +53,9 @@ std::string precision_in_words(const std::vector<IdentifiedParameter>& parameter
   if (known.empty()) return "";
   const auto [best, worst] = std::ranges::minmax_element(known, {}, [&](const auto* each) { return relative(*each); });
   const auto words = [&](const IdentifiedParameter& each) {
-    return fmt::format("{:.2g} % ({})", 100.0 * relative(each), each.name);
+    const double per_cent = 100.0 * relative(each);
+    return (per_cent < 10.0 ? fmt::format("{:.2g}", per_cent) : fmt::format("{:.0f}", per_cent)) + " % (" + each.name +
+           ")";
   };
   return known.size() == 1 ? "standard deviation " + words(**best)
                            : "standard deviations from " + words(**best) + " to " + words(**worst);
@@ -70,8 +72,8 @@ std::string found_in_words(const std::vector<IdentifiedParameter>& parameters) {
 
 std::string updated_in_words(const UpdatingOutcome& outcome) {
   return fmt::format("{} of the model updated: the residual decreased from {} to {} standard deviations.",
-                     counted(outcome.values.size(), "parameter"),
-                     four_digits(outcome.residual_initial), four_digits(outcome.residual_final));
+                     counted(outcome.values.size(), "parameter"), four_digits(outcome.residual_initial),
+                     four_digits(outcome.residual_final));
 }
 
 std::string estimated_in_words(const Study& study, const EstimationOutcome& outcome,

@@ -131,6 +131,12 @@ std::string bar_svg(const IdentifiedParameter& parameter) {
   return svg + "</svg>";
 }
 
+std::string z_in_words(const IdentifiedParameter& parameter) {
+  const auto z = parameter.z();
+  if (!z) return "-";
+  return std::abs(*z) < 0.05 ? "0.0" : fmt::format("{:+.1f}", *z);
+}
+
 }  // namespace
 
 std::optional<double> IdentifiedParameter::z() const {
@@ -174,7 +180,7 @@ Table identified_parameter_table(const std::vector<IdentifiedParameter>& paramet
   if (with_truth) table.columns.emplace_back("z");
   for (const auto& each : parameters) {
     auto& row = table.rows.emplace_back(std::vector<std::string>{each.name, value_in_words(each)});
-    if (with_truth) row.push_back(each.z() ? fmt::format("{:+.1f}", *each.z()) : "-");
+    if (with_truth) row.push_back(z_in_words(each));
     table.graphics.push_back(bar_svg(each));
   }
   table.caption = "Bars: 95 % intervals.";

@@ -192,9 +192,20 @@ private:
   }
 
   static std::string warnings(const Page& page) {
-    std::string items;
-    for (const auto& warning : page.warnings) items += text_element("li", "", warning);
-    return items.empty() ? items : element("ul", "class=\"warnings\" aria-label=\"Warnings\"", items);
+    constexpr std::size_t shown = 2;  // more would push the answer off the screen
+    const auto list = [&](std::size_t from, std::size_t to) {
+      std::string items;
+      for (std::size_t i = from; i < to; ++i) items += text_element("li", "", page.warnings[i]);
+      return element("ul", "", items);
+    };
+    const std::size_t count = page.warnings.size();
+    if (count == 0) return "";
+    std::string html = list(0, std::min(shown, count));
+    if (count > shown)
+      html +=
+          element("details", "",
+                  text_element("summary", "", std::to_string(count - shown) + " more warnings") + list(shown, count));
+    return element("div", "class=\"warnings\" role=\"group\" aria-label=\"Warnings\"", html);
   }
 
   static std::string links(const Page& page) {

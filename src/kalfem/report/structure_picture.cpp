@@ -1,6 +1,6 @@
 #include "kalfem/report/structure_picture.hpp"
 
-#include <algorithm>
+#include <map>
 #include <set>
 
 #include "kalfem/report/mesh_picture.hpp"
@@ -30,7 +30,7 @@ const FiniteElementPart* largest_mesh(const Study& study) {
   return largest;
 }
 
-/// Marks at the named nodes of a part, one a node and word.
+/// Marks at the named nodes of a part, one a node with all its names.
 class NodeMarks {
 public:
   explicit NodeMarks(const FiniteElementPart& part) : part_(part) {}
@@ -39,17 +39,23 @@ public:
   void add(const std::string& point, const std::string& label, MarkKind kind = MarkKind::point) {
     for (const auto& named : part_.nodes) {
       const std::string name = part_.name + "." + named.name;
-      const bool is_there = point == name || (point.starts_with(name) && point[name.size()] == '.');
-      if (is_there && seen_.insert({named.node, label}).second) marks_.push_back({kind, named.node, label});
+      if (point != name && !(point.starts_with(name) && point[name.size()] == '.')) continue;
+      auto& mark = marks_.try_emplace(named.node, PictureMark{kind, named.node, ""}).first->second;
+      if (kind == MarkKind::spring) mark.kind = kind;
+      if (labels_.insert({named.node, label}).second) mark.label += (mark.label.empty() ? "" : ", ") + label;
     }
   }
 
-  [[nodiscard]] std::vector<PictureMark> take() { return std::move(marks_); }
+  [[nodiscard]] std::vector<PictureMark> take() const {
+    std::vector<PictureMark> all;
+    for (const auto& [node, mark] : marks_) all.push_back(mark);
+    return all;
+  }
 
 private:
   const FiniteElementPart& part_;
-  std::set<std::pair<Index, std::string>> seen_;
-  std::vector<PictureMark> marks_;
+  std::map<Index, PictureMark> marks_;
+  std::set<std::pair<Index, std::string>> labels_;
 };
 
 Picture mesh_picture(const Study& study, const FiniteElementPart& part) {
