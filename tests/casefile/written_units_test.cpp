@@ -1,10 +1,10 @@
 #include "kalfem/study/written_units.hpp"
 
-#include "record_cases.hpp"
+#include "casefile/record_cases.hpp"
 
 // What a study remembers of the case as it was written: units of parameters, and the files that were read.
 
-namespace kalfem::test {
+namespace kalfem::record_cases {
 namespace {
 
 TEST(WrittenUnit, IsWhatFollowsTheNumber) {
@@ -33,4 +33,4 @@ TEST_F(WhatWasWritten, FilesAreKnown) {
 }
 
 }  // namespace
-}  // namespace kalfem::test
+}  // namespace kalfem::record_cases
