@@ -144,7 +144,7 @@ TEST(Output, FilesOfASummaryWithoutAListGoToo) {
                                                   "report.html", "summary.json"}));
 }
 
-TEST(Output, PointsAtRestHaveNoErrorAndCaptionsNameTheBand) {
+TEST(Output, PointsAtRestAreLeftOutAndCaptionsNameTheBand) {
   const ScratchFolder folder("at-rest");
   std::ofstream(folder / "plate.msh") << plate_msh;
   const auto file = write_case(folder, "case.yaml", plate_case + R"(excitation:
@@ -162,7 +162,8 @@ predict: {substructure: plate}
     EXPECT_TRUE(points[still]["acceleration_nrmse"].is_null()) << still;
   for (const std::string moves : {"f.z", "f.rx", "f.ry"})
     EXPECT_TRUE(points[moves]["acceleration_nrmse"].is_number()) << moves;
-  EXPECT_TRUE(std::regex_search(outcome.output, std::regex("plate[.]f[.]x +at rest +at rest"))) << outcome.output;
+  EXPECT_EQ(outcome.output.find("plate.f.x "), std::string::npos) << "a point at rest has no line:\n" << outcome.output;
+  EXPECT_NE(outcome.output.find("plate.f.z "), std::string::npos);
   const auto page = read(folder / "out" / "report.html");
   EXPECT_TRUE(std::regex_search(
       page.substr(page.find("<main")),

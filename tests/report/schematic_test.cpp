@@ -47,6 +47,21 @@ TEST(SchematicGraph, LayersCountFromTheGround) {
   EXPECT_EQ(node(graph, "body.2").inputs, std::vector<std::string>{"push"});
 }
 
+TEST(SchematicGraph, EveryNodeStandsOnAGroundOfItsOwn) {
+  auto parts = quarter_car();
+  parts.substructures[1].springs.push_back({"stay", "2", "ground", 5.0});
+  parts.substructures[1].springs.push_back({"side", "1", "ground", 5.0});
+  parts.inputs.push_back({"floor", InputKind::base_displacement, "body.ground"});
+  const auto graph = schematic_graph(parts, {}, {});
+  EXPECT_EQ(std::ranges::count(graph.nodes, SchematicNodeKind::ground, &SchematicNode::kind), 3);
+  EXPECT_EQ(std::ranges::count_if(graph.nodes,
+                                  [](const auto& each) {
+                                    return each.name == "body.ground" &&
+                                           each.inputs == std::vector<std::string>{"floor"};
+                                  }),
+            2);
+}
+
 TEST(SchematicGraph, TellsSpringsFromDashpotsAndConnectors) {
   const auto graph = schematic_graph(quarter_car(), {}, {.unknown_connectors = {"strut"}});
   std::vector<SchematicEdgeKind> kinds;

@@ -7,7 +7,7 @@
 namespace kalfem {
 namespace {
 
-constexpr double width = 210.0, height = 24.0, bar_height = 16.0;
+constexpr double width = 150.0, height = 24.0, bar_height = 16.0;
 
 struct BarStyle {
   const char* colour;

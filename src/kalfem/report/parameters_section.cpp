@@ -109,6 +109,7 @@ Picture correlation_picture(const ConstantUnknowns& unknowns) {
 Table combination_table(const Identifiability& found) {
   Table table{.title = "Combinations, the best determined first",
               .columns = {"combination", "left of the prior's deviation"},
+              .alignment = {Align::left, Align::right},
               .caption = "A combination of which more than half is left was not determined by the record.",
               .half_width = true};
   for (const auto& each : found.combinations) {

@@ -17,7 +17,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double mass_width = 74.0, mass_height = 22.0;
-constexpr double column = 150.0, side = 110.0, above = 22.0, below = 44.0;
+constexpr double column = 128.0, side = 84.0, above = 22.0, below = 44.0;
 constexpr double beside = 20.0;  ///< between edges that join the same nodes
 
 const char* style =
@@ -52,7 +52,7 @@ class Drawing {
 public:
   explicit Drawing(const SchematicGraph& graph)
       : graph_(graph),
-        row_(std::clamp(440.0 / std::max(1, graph.layers), 40.0, 72.0)),
+        row_(std::clamp(440.0 / std::max(1, graph.layers), 40.0, 84.0)),
         width_(std::max(360.0, 2.0 * side + column * std::max(0.0, graph.widest - 1.0) + mass_width)),
         height_(above + below + row_ * std::max(0, graph.layers - 1) + mass_height) {}
 

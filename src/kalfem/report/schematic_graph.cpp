@@ -60,17 +60,25 @@ private:
   }
 
   void add(const InputDescription& input, const StructureParts& parts) {
-    const auto at = [&](const std::string& name) { graph_.nodes[node(name)].inputs.push_back(input.name); };
-    if (!input.target.empty()) return at(input.target);
+    if (!input.target.empty()) return add_input(input.name, input.target);
     if (input.kind == InputKind::base_displacement) {
       for (const auto& [ground, weight] : input.direction)
-        if (weight != 0.0) at(ground);
+        if (weight != 0.0) add_input(input.name, ground);
       return;
     }
-    bool drawn = false;
     for (const auto& ground : ground_names(parts))
-      if (nodes_.contains(ground)) at(ground), drawn = true;
-    if (!drawn) at(fixed_ground);
+      if (is_drawn(ground)) add_input(input.name, ground);
+  }
+
+  /// At every symbol of a ground, or at the one node of another point.
+  void add_input(const std::string& input, const std::string& point) {
+    if (!is_drawn(point)) node(point);
+    for (auto& each : graph_.nodes)
+      if (each.name == point) each.inputs.push_back(input);
+  }
+
+  [[nodiscard]] bool is_drawn(const std::string& name) const {
+    return std::ranges::find(graph_.nodes, name, &SchematicNode::name) != graph_.nodes.end();
   }
 
   void add(const Sensor& sensor) {
@@ -124,8 +132,16 @@ private:
 
   void edge(const std::string& from, const std::string& to, SchematicEdgeKind kind, const std::string& label = "",
             bool unknown = false) {
-    const std::size_t first = node(from), second = node(to);
+    const std::size_t first = end_node(from, to), second = end_node(to, from);
     graph_.edges.push_back({first, second, kind, label, unknown});
+  }
+
+  /// A ground has a symbol of its own below each node that stands on it.
+  std::size_t end_node(const std::string& end, const std::string& other) {
+    if (kind_of(end) != SchematicNodeKind::ground) return node(end);
+    const auto [found, is_new] = nodes_.try_emplace(end + " below " + other, graph_.nodes.size());
+    if (is_new) graph_.nodes.push_back({end, SchematicNodeKind::ground});
+    return found->second;
   }
 
   const SchematicOptions& options_;

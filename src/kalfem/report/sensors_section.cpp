@@ -108,6 +108,7 @@ void add_input_charts(const Study& study, const EstimationOutcome& outcome, cons
     Chart chart = lag_chart(sensor, std::move(values), 0.0);
     chart.id = fmt::format("correlation-{}-{}", sensor.name, parts.inputs[i].name);
     chart.title = fmt::format("Innovations of {} after '{}'", sensor.name, parts.inputs[i].name);
+    chart.y_window.reset();
     chart.caption += "; what lies outside is response to the excitation that the model lacks.";
     section.items.emplace_back(std::move(chart));
   }
@@ -121,7 +122,7 @@ std::vector<double> decibels_of_power(const VectorXd& density) {
 
 /// Spectra of what was measured, expected and left over, and the coherence of the first two.
 void add_spectra(const EstimationOutcome& outcome, const SensorCourse& sensor, Section& section) {
-  constexpr Index longest = 4096, fewest_segments = 8, shortest = 32;
+  constexpr Index longest = 2048, fewest_segments = 16, shortest = 32;
   const Index segment = std::min<Index>(longest, 2 * sensor.settled.size() / (fewest_segments + 1));
   if (segment < shortest) return;
   const auto after_settling = [&](const VectorXd& values) -> VectorXd { return values.tail(sensor.settled.size()); };
