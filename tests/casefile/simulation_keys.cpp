@@ -103,7 +103,8 @@ void starts() {
   const auto first = [](const std::string& text, ObservedQuantity quantity, const std::string& point) {
     const auto study =
         study_of(lumped_case({{"simulate", "{duration: 0.5 s, sample_rate: 100 Hz, initial: {" + text + "}}"}}));
-    for (const auto& each : run(study, Step::simulate).simulation->points)
+    const auto results = run(study, Step::simulate);
+    for (const auto& each : results.simulation->points)
       if (each.point == point && each.quantity == quantity) return each.mean[0];
     return 0.0;
   };
