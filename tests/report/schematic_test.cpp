@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "kalfem/report/schematic_graph.hpp"
 
 namespace kalfem {
@@ -60,6 +63,23 @@ TEST(SchematicGraph, EveryNodeStandsOnAGroundOfItsOwn) {
                                            each.inputs == std::vector<std::string>{"floor"};
                                   }),
             2);
+}
+
+TEST(SchematicGraph, StandsAboveWhatCarriesIt) {
+  StructureParts parts;
+  LumpedSubstructure car{.name = "car", .masses = {{"left", 1.0}, {"right", 1.0}, {"top", 1.0}}};
+  car.springs = {{"a", "ground", "left", 1.0},
+                 {"b", "ground", "right", 1.0},
+                 {"c", "left", "top", 1.0},
+                 {"d", "right", "top", 1.0}};
+  parts.substructures = {car};
+  const auto graph = schematic_graph(parts, {}, {});
+  const double left = node(graph, "car.left").position, right = node(graph, "car.right").position;
+  EXPECT_GE(right - left, 1.0 - 1e-12);
+  EXPECT_NEAR(node(graph, "car.top").position, 0.5 * (left + right), 1e-9);
+  for (const auto& each : graph.nodes)
+    if (each.kind == SchematicNodeKind::ground)
+      EXPECT_NEAR(std::min(std::abs(each.position - left), std::abs(each.position - right)), 0.0, 1e-2);
 }
 
 TEST(SchematicGraph, TellsSpringsFromDashpotsAndConnectors) {

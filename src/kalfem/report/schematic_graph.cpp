@@ -182,31 +182,60 @@ void set_layers(SchematicGraph& graph, const std::vector<std::vector<std::size_t
   for (const auto& node : graph.nodes) graph.layers = std::max(graph.layers, node.layer + 1);
 }
 
-/// Places in each layer: in the order of the neighbours' mean place, about the middle.
+/// The ascending places at least 1 apart that are nearest to the wanted ones in the mean square: neighbours that would
+/// come too close stand side by side about their mean (pool adjacent violators).
+std::vector<double> spaced(const std::vector<double>& wanted) {
+  struct Block {
+    double sum = 0.0;
+    std::size_t count = 0;
+    [[nodiscard]] double mean() const { return sum / static_cast<double>(count); }
+  };
+  std::vector<Block> blocks;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    blocks.push_back({wanted[i] - static_cast<double>(i), 1});
+    while (blocks.size() > 1 && blocks[blocks.size() - 2].mean() > blocks.back().mean()) {
+      const Block last = blocks.back();
+      blocks.pop_back();
+      blocks.back().sum += last.sum;
+      blocks.back().count += last.count;
+    }
+  }
+  std::vector<double> places;
+  for (const auto& block : blocks)
+    for (std::size_t k = 0; k < block.count; ++k) places.push_back(block.mean() + static_cast<double>(places.size()));
+  return places;
+}
+
+/// Places in each layer: in the order of the neighbours' mean place, and as near to it as their distance allows.
 void set_positions(SchematicGraph& graph, const std::vector<std::vector<std::size_t>>& neighbours) {
   std::vector<std::vector<std::size_t>> layers(static_cast<std::size_t>(graph.layers));
-  for (std::size_t i = 0; i < graph.nodes.size(); ++i)
-    layers[static_cast<std::size_t>(graph.nodes[i].layer)].push_back(i);
-  for (const auto& layer : layers) graph.widest = std::max(graph.widest, static_cast<double>(layer.size()));
-  const auto place = [&](const std::vector<std::size_t>& layer) {
-    const double first = 0.5 * (graph.widest - static_cast<double>(layer.size()));
-    for (std::size_t k = 0; k < layer.size(); ++k) graph.nodes[layer[k]].position = first + static_cast<double>(k);
-  };
-  for (const auto& layer : layers) place(layer);
+  for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
+    auto& layer = layers[static_cast<std::size_t>(graph.nodes[i].layer)];
+    graph.nodes[i].position = static_cast<double>(layer.size());
+    layer.push_back(i);
+  }
   const auto wanted = [&](std::size_t i) {
     if (neighbours[i].empty()) return graph.nodes[i].position;
     double sum = 0.0;
     for (const auto next : neighbours[i]) sum += graph.nodes[next].position;
     return sum / static_cast<double>(neighbours[i].size());
   };
-  constexpr int sweeps = 6;
+  constexpr int sweeps = 8;
   for (int sweep = 0; sweep < sweeps; ++sweep) {
     for (auto& layer : layers) {
       std::ranges::stable_sort(layer, {}, wanted);
-      place(layer);
+      std::vector<double> places;
+      for (const auto i : layer) places.push_back(wanted(i));
+      places = spaced(places);
+      for (std::size_t k = 0; k < layer.size(); ++k) graph.nodes[layer[k]].position = places[k];
     }
     std::ranges::reverse(layers);
   }
+  if (graph.nodes.empty()) return;
+  const auto [first, last] = std::ranges::minmax_element(graph.nodes, {}, &SchematicNode::position);
+  const double left = first->position;
+  graph.widest = last->position - left + 1.0;
+  for (auto& node : graph.nodes) node.position -= left;
 }
 
 }  // namespace

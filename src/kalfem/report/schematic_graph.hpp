@@ -37,11 +37,12 @@ struct SchematicGraph {
   std::vector<SchematicNode> nodes;
   std::vector<SchematicEdge> edges;
   int layers = 0;
-  double widest = 0.0;  ///< largest number of places in a layer
+  double widest = 0.0;  ///< places side by side
 };
 
 /// Layers are distances to the nearest ground. In a layer nodes stand in the order of the mean place of their
-/// neighbours, which sweeps up and down through the layers improve (Sugiyama, Tagawa and Toda 1981).
+/// neighbours, and as near to it as they can, which sweeps up and down through the layers improve (Sugiyama, Tagawa
+/// and Toda 1981).
 SchematicGraph schematic_graph(const StructureParts& parts, const std::vector<Sensor>& sensors,
                                const SchematicOptions& options);
 

@@ -36,12 +36,11 @@ public:
   explicit NodeMarks(const FiniteElementPart& part) : part_(part) {}
 
   /// `point`: qualified, "frame.p5.z"; nothing is drawn where it is none of the part's.
-  void add(const std::string& point, const std::string& label, MarkKind kind = MarkKind::point) {
+  void add(const std::string& point, const std::string& label) {
     for (const auto& named : part_.nodes) {
       const std::string name = part_.name + "." + named.name;
       if (point != name && !(point.starts_with(name) && point[name.size()] == '.')) continue;
-      auto& mark = marks_.try_emplace(named.node, PictureMark{kind, named.node, ""}).first->second;
-      if (kind == MarkKind::spring) mark.kind = kind;
+      auto& mark = marks_.try_emplace(named.node, PictureMark{MarkKind::point, named.node, ""}).first->second;
       if (labels_.insert({named.node, label}).second) mark.label += (mark.label.empty() ? "" : ", ") + label;
     }
   }
@@ -64,10 +63,10 @@ Picture mesh_picture(const Study& study, const FiniteElementPart& part) {
     for (const auto& [point, weight] : sensor.output.points)
       if (weight != 0.0) marks.add(point, sensor.name);
   for (const auto& connector : study.structure->parts.connectors)
-    for (const auto& end : {connector.from, connector.to}) marks.add(end, connector.name, MarkKind::spring);
+    for (const auto& end : {connector.from, connector.to}) marks.add(end, connector.name);
   for (const auto& input : study.structure->parts.inputs) marks.add(input.target, input.name);
   return {.title = "The structure: " + part.name,
-          .caption = "Rings: sensors and excitations. Diamonds: connectors.",
+          .caption = "Rings: sensors, excitations and ends of connectors.",
           .svg = mesh_picture_svg(part.elements, {.width = 620, .height = 440, .marks = marks.take()}),
           .half_width = true};
 }
