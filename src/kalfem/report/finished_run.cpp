@@ -66,7 +66,7 @@ void add_parameters(std::string by, const Json& json, const Read& read, Finished
 }
 
 FoundFilter filter_of(const Json& estimation, const Json& timing) {
-  const Json nis = estimation.at("nis");
+  const Json& nis = estimation.at("nis");
   return {estimation.at("filter"),
           text_in(estimation, "filter_reason"),
           estimation.at("steps"),

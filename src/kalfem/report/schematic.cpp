@@ -101,7 +101,8 @@ private:
     const Vector2d direction = step.normalized(), across(-direction[1], direction[0]);
     const int before = passed_[std::minmax(edge.from, edge.to)]++;
     if (std::abs(from.layer - to.layer) > 1 && edge.kind != SchematicEdgeKind::link) return arc(edge, a, b, before);
-    const double shift = before == 0 ? 0.0 : (before % 2 == 1 ? 1.0 : -1.0) * beside * ((before + 1) / 2);
+    const int places = (before + 1) / 2;  // from the first edge, in turn to either side
+    const double shift = (before % 2 == 1 ? 1.0 : -1.0) * beside * places;
     const Vector2d begin = a + direction * reach(from, direction) + shift * across;
     const double length = step.norm() - reach(from, direction) - reach(to, direction);
     const double angle = std::atan2(direction[1], direction[0]) * 180.0 / std::numbers::pi;
