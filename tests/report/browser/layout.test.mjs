@@ -16,6 +16,21 @@ const inkOfAxes = page => page.evaluate(() => {
   return Array.from(canvas.getContext("2d").getImageData(0, 0, 60, canvas.height).data).reduce((sum, value) => sum + value, 0);
 });
 
+test("the first screen holds the sentence, the verdict, the parameters and the picture", async () => {
+  const page = await open(browser, "overview.html", {viewport: {width: 1400, height: 900}});
+  for (const part of [".verdict .badge", ".verdict p", ".table.half table", ".picture.half svg"]) {
+    const {x, y, width, height} = await page.locator(part).boundingBox();
+    assert.ok(width > 0 && x + width <= 1400, `${part} ends at ${x + width} across`);
+    assert.ok(height > 0 && y + height <= 900, `${part} ends at ${y + height} down`);
+  }
+  const {cut} = await page.evaluate(() => {
+    const card = document.querySelector(".table.half");
+    return {cut: card.scrollWidth - card.clientWidth};
+  });
+  assert.equal(cut, 0, "the table is wider than its card");
+  assertQuiet(page);
+});
+
 test("dark surroundings make the page and its charts dark", async () => {
   const light = await open(browser, "structure.html");
   const dark = await open(browser, "structure.html", {colorScheme: "dark"});

@@ -19,6 +19,27 @@ Page structure_page() {
   return page;
 }
 
+/// What a run of many parameters shows first.
+Page overview_page() {
+  const std::string bar = R"(<svg width="120" height="22" viewBox="0 0 120 22"></svg>)";
+  Table found{.title = "What was found",
+              .columns = {"parameter", "value ± std", "z"},
+              .graphics_title = "prior → posterior",
+              .caption = "Bars: 95 % intervals.",
+              .half_width = true};
+  for (int i = 1; i <= 19; ++i) {
+    found.rows.push_back({"car.strut_" + std::to_string(i) + ".stiffness", "17.586 ± 0.070 kN/m", "+0.3"});
+    found.graphics.push_back(bar);
+  }
+  const Picture structure{.title = "The structure",
+                          .caption = "Triangles: sensors.",
+                          .svg = R"(<svg viewBox="0 0 300 600"><rect width="300" height="600"/></svg>)",
+                          .half_width = true};
+  Page page = sample_page();
+  page.sections.insert(page.sections.begin(), {"Overview", "", {found, structure}});
+  return page;
+}
+
 /// One chart in sight, the same twice folded away.
 Page folded_page() {
   Chart chart{.id = "open", .title = "open", .x_label = "time [s]", .y_label = "y", .series = {{.label = "a"}}};
@@ -59,6 +80,7 @@ int main(int count, char** arguments) {
   for (const auto& [name, page] : {std::pair{"charts.html", kalfem::sample_page()},
                                    {"structure.html", kalfem::structure_page()},
                                    {"folded.html", kalfem::folded_page()},
+                                   {"overview.html", kalfem::overview_page()},
                                    {"meagre.html", kalfem::meagre_page()}})
     std::ofstream(folder / name) << kalfem::render_html(page);
 }
