@@ -17,6 +17,7 @@ namespace {
 struct Arguments {
   command::RunArguments run;
   command::PlotArguments plot;
+  command::SweepArguments sweep;
   command::DeckModesArguments deck;
   std::string case_file, resumed, page, shell, topic, kind, folder;
   std::vector<std::string> units, files;
@@ -88,6 +89,10 @@ command::ExitCode execute(const CLI::App& app, Arguments& arguments) {
   if (app.got_subcommand("report")) return command::report(arguments.folder, arguments.json);
   if (app.got_subcommand("compare")) return command::compare(arguments.files, arguments.json, arguments.page);
   if (app.got_subcommand("plot")) return command::plot(arguments.plot);
+  if (app.got_subcommand("sweep")) {
+    arguments.sweep.changes = arguments.run.changes;
+    return command::sweep(arguments.sweep);
+  }
   if (app.got_subcommand("modes") && is_deck(arguments.run.case_file)) return modes_of_deck(arguments);
   if (arguments.json) arguments.run.told = command::Told::json;
   if (arguments.quiet) arguments.run.told = command::Told::verdict;
@@ -169,6 +174,17 @@ void add_verbs(CLI::App& app, Arguments& arguments) {
   add_run_verb(app, "infer", "what the data tell of the unknowns: posterior, evidence, which law", arguments);
   add_run_verb(app, "place", "where to put sensors", arguments);
   add_run_verb(app, "static", "displacements, reactions and stresses under static loads", arguments);
+  auto* sweep = app.add_subcommand("sweep", "run a case many times on all cores: combinations of values, seeds of noise");
+  sweep->add_option("case", arguments.sweep.case_file, "case file (YAML)")->required();
+  sweep->add_option("--grid", arguments.sweep.grid,
+                    "KEY=VALUE,VALUE,...: a key with the values that it takes; several times: every combination")
+      ->allow_extra_args(false);
+  sweep->add_option("--seeds", arguments.sweep.seeds, "realisations of the noise of a simulated record, seeds 1 to N")
+      ->check(CLI::Range(1, 1000000));
+  sweep->add_option("--threads", arguments.sweep.threads, "runs at a time; default: one a processor core")
+      ->check(CLI::Range(1, 4096));
+  sweep->add_option("--out", arguments.sweep.folder, "folder for the results; default: <case>.kalfem-sweep");
+  add_changes(*sweep, arguments);
   auto* check = app.add_subcommand("check", "validate and explain a case file or a deck without running it");
   check->add_option("case", arguments.case_file, "case file (YAML) or deck (.inp, .bdf, .dat, .nas)")->required();
   add_changes(*check, arguments);

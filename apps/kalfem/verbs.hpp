@@ -34,6 +34,17 @@ ExitCode report(const std::string& folder, bool as_json);
 /// compare: finished runs side by side, as tables, JSON or a page.
 ExitCode compare(const std::vector<std::string>& folders, bool as_json, const std::string& page_file);
 
+struct SweepArguments {
+  std::string case_file;
+  std::string folder;                ///< of the results; empty: <case>.kalfem-sweep beside the case
+  std::vector<std::string> changes;  ///< KEY=VALUE, of every run
+  std::vector<std::string> grid;     ///< KEY=VALUE,VALUE,...
+  int seeds = 0, threads = 0;
+};
+/// sweep: many runs of one case in one process, their numbers in one table. What an interrupted sweep has finished is
+/// not made again. Done where any run is usable.
+ExitCode sweep(const SweepArguments& arguments);
+
 struct PlotArguments {
   std::string folder;  ///< of a finished run
   std::string output;  ///< folder of the figures; empty: `figures` in that of the run

@@ -1,4 +1,5 @@
 #include "casefile/probes.hpp"
+#include "kalfem/base/parallel.hpp"
 #include "kalfem/estimation/estimate.hpp"
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"

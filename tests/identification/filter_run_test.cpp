@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "identification/chain_structure.hpp"
+#include "kalfem/base/parallel.hpp"
 #include "kalfem/estimation/consistency.hpp"
 
 namespace kalfem::test {

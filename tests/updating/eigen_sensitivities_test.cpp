@@ -24,7 +24,7 @@ struct Solved {
   [[nodiscard]] SolvedEigenproblem problem() const { return {model.stiffness, model.mass, shifted, modes}; }
 
   LinearModel model;
-  ShiftedStiffness shifted;
+  StiffnessFactor shifted;
   LowestModes modes;
 };
 

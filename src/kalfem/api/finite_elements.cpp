@@ -79,7 +79,7 @@ public:
     assemble_part(part_, {.parameters = varied_names(), .independent = kept});
     set_other_numbers();
     const auto& [ratios, up_to] = part_.damping.modal_ratios;
-    if (!ratios.empty()) add_modal_damping(part_.full, ratios, {.up_to = up_to});
+    if (!ratios.empty()) add_modal_damping(part_.full, ratios, {.up_to = up_to}, part_.factor.get());
     for (const auto& dof : kept) keep(dof);
     return std::move(part_);
   }
@@ -104,6 +104,7 @@ private:
       }
     part_.full = linear_model(part_.elements, part_.assembled, part_.nodes, part_.damping.rayleigh);
     part_.full.points_only = true;
+    part_.factor = nullptr;  // of K before the change
   }
 
   void refuse(const std::string& what, const std::string& why, const std::string& fix) {
@@ -245,7 +246,7 @@ Superelement reduce(const FiniteElements& elements) {
 
 Eigen::VectorXd natural_frequencies(const FiniteElements& elements, Index count) {
   const FiniteElementPart part = PartBuilder(elements, {}).build();
-  return lowest_normal_modes(part.full, count).frequencies;
+  return lowest_normal_modes(part.full, count, {}, part.factor.get()).frequencies;
 }
 
 }  // namespace kalfem

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <thread>
 
+#include "kalfem/base/parallel.hpp"
 #include "kalfem/records/local_polynomial.hpp"
 
 namespace kalfem {
@@ -308,8 +309,6 @@ FilteredRecord run_filter(const EstimationProblemPtr& problem, const AugmentedMo
   if (given && given != FilterKind::partially_linear) try_chosen_filter(problem, setup, record, options, first);
   return first;
 }
-
-int processors() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
 int filter_threads(const EstimationSettings& settings) {
   const int given = settings.threads;

@@ -67,7 +67,6 @@ std::vector<FilterAttempt> attempts_after(const FilterAttempt& failed, bool kind
 FilteredRecord run_filter(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
                           EstimationOptions options);
 
-int processors();
 /// Threads of the settings, or one per processor.
 int filter_threads(const EstimationSettings& settings);
 

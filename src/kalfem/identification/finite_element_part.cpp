@@ -34,9 +34,11 @@ Superelement reduce_by(ReductionMethod method, const LinearModel& full, const st
     case ReductionMethod::guyan:
       return guyan(full, boundary, options);
     case ReductionMethod::rubin:
-      return free_interface(full, boundary, {.kind = FreeInterfaceKind::rubin, .modes = options.modes});
+      return free_interface(full, boundary,
+                            {.kind = FreeInterfaceKind::rubin, .modes = options.modes, .whole = options.whole});
     case ReductionMethod::macneal:
-      return free_interface(full, boundary, {.kind = FreeInterfaceKind::macneal, .modes = options.modes});
+      return free_interface(full, boundary,
+                            {.kind = FreeInterfaceKind::macneal, .modes = options.modes, .whole = options.whole});
     case ReductionMethod::craig_bampton:
       break;
   }
@@ -70,16 +72,24 @@ void require_stable(const FiniteElementPart& part) try {
                      "its stiffness under this load is not positive definite", "reduce the load or add supports");
 }
 
+/// The factor of K, which shows at once that the part is neither a mechanism nor beyond its buckling load; where there
+/// is none, the cause is looked for.
+std::shared_ptr<const StiffnessFactor> checked_factor(const FiniteElementPart& part) {
+  if (part.elements.mesh.cells.empty() && part.preload_stiffness.size() == 0) return nullptr;
+  if (auto factor = factor_held(part.elements, part.assembled))
+    return std::make_shared<const StiffnessFactor>(std::move(*factor));
+  if (part.preload_stiffness.size() > 0) require_stable(part);
+  if (!part.elements.mesh.cells.empty()) require_no_mechanism(part.elements, part.assembled);
+  return nullptr;
+}
+
 }  // namespace
 
 void assemble_part(FiniteElementPart& part, const AssemblyOptions& options) {
   require_connected(part.elements);
   part.assembled = assemble(part.elements, options);
-  if (part.preload_stiffness.size() > 0) {
-    add_preload(part.preload_stiffness, part.assembled);
-    require_stable(part);
-  }
-  if (!part.elements.mesh.cells.empty()) require_no_mechanism(part.elements, part.assembled);
+  if (part.preload_stiffness.size() > 0) add_preload(part.preload_stiffness, part.assembled);
+  part.factor = checked_factor(part);
   part.mass = mass_properties(part.assembled);
   part.moving_mass = moving_mass(part.elements, part.assembled);
   part.full = linear_model(part.elements, part.assembled, part.nodes, part.damping.rayleigh);
@@ -87,7 +97,8 @@ void assemble_part(FiniteElementPart& part, const AssemblyOptions& options) {
 }
 
 Superelement reduce(const FiniteElementPart& part, const ReductionRequest& request, double sensor_bandwidth) {
-  ReductionOptions options{.modes = request.modes, .augmentation_vectors = request.augmentation_vectors};
+  ReductionOptions options{
+      .modes = request.modes, .augmentation_vectors = request.augmentation_vectors, .whole = part.factor};
   if (!options.modes.count && !options.modes.cutoff && !options.modes.effective_mass)
     options.modes.cutoff = 3.0 * (std::isfinite(sensor_bandwidth) ? sensor_bandwidth : default_bandwidth);
   return with_scale(part, reduce_by(request.method, part.full, part.boundary, options));

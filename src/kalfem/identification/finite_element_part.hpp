@@ -22,10 +22,11 @@ struct FiniteElementPart {
   Eigen::Vector3d moving_mass = Eigen::Vector3d::Zero();  ///< that the free part moves along x, y, z [kg]
   std::vector<NamedNode> nodes;
   std::map<std::string, std::vector<Eigen::Index>> load_groups = {};  ///< cells of the groups that loads name
-  SparseMatrix preload_stiffness = {};  ///< of stresses that it carries, 6 to a node; empty: none
-  LinearModel full;                     ///< with its damping
-  FiniteElementDamping damping;         ///< included in `full`, with its dashpots
-  std::vector<std::string> boundary;    ///< names of the degrees of freedom that the rest of the structure touches
+  SparseMatrix preload_stiffness = {};                 ///< of stresses that it carries, 6 to a node; empty: none
+  std::shared_ptr<const StiffnessFactor> factor = {};  ///< of `full`, where it is at hand
+  LinearModel full;                                    ///< with its damping
+  FiniteElementDamping damping;                        ///< included in `full`, with its dashpots
+  std::vector<std::string> boundary;  ///< names of the degrees of freedom that the rest of the structure touches
 };
 using FiniteElementPartPtr = std::shared_ptr<const FiniteElementPart>;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kalfem/base/parallel.hpp"
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/identification/initial_state.hpp"
 #include "kalfem/updating/difference_jacobian.hpp"

@@ -97,7 +97,7 @@ public:
       : fixed_(std::move(fixed)), information_(information), options_(options) {
     for (std::size_t i = 0; i < candidates; ++i)
       if (std::ranges::find(fixed_, i) == fixed_.end()) free_.push_back(i);
-    threads_ = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
+    threads_ = options.threads > 0 ? options.threads : processors();
   }
 
   SensorPlacement run() {

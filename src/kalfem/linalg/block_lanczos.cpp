@@ -14,51 +14,54 @@ namespace {
 /// What is smaller than this against the operator's image is rounding, not a new direction.
 constexpr double no_direction = 1e-14;
 
-/// Makes the columns M-orthonormal, W = W' T with the columns of W' in place of W and those of M W' in place of its
-/// `mass-weighted modes` M W; directions shorter than `shortest` are dropped, so that T is r x k.
-MatrixXd normalise(double shortest, MatrixXd& block, MatrixXd& mass_weighted_modes) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> gram(block.transpose() * mass_weighted_modes);
-  const Index dropped = (gram.eigenvalues().array() <= shortest * shortest).count();  // ascending: the first ones
-  const Index kept = block.cols() - dropped;
-  const Eigen::VectorXd lengths = gram.eigenvalues().tail(kept).cwiseSqrt();
-  const MatrixXd directions = gram.eigenvectors().rightCols(kept);
-  const MatrixXd scaled = directions * lengths.cwiseInverse().asDiagonal();
-  block = block * scaled;
-  mass_weighted_modes = mass_weighted_modes * scaled;
-  return lengths.asDiagonal() * directions.transpose();
-}
-
 }  // namespace
 
-BlockLanczos::BlockLanczos(const SparseFactor& factor, const Eigen::SparseMatrix<double>& mass, Index width,
+BlockLanczos::BlockLanczos(const StiffnessFactor& factor, const Eigen::SparseMatrix<double>& mass, Index width,
                            Index capacity)
     : factor_(factor), mass_(mass), width_(width), basis_(mass.rows(), capacity) {}
 
-MatrixXd BlockLanczos::image_of(const MatrixXd& mass_weighted_modes) {
-  solves_ += mass_weighted_modes.cols();
-  return factor_.solve(mass_weighted_modes);
+/// V = A^-1 M V.
+void BlockLanczos::apply() {
+  solves_ += mass_weighted_modes_.cols();
+  block_.resize(basis_.rows(), mass_weighted_modes_.cols());
+  factor_.respond(mass_weighted_modes_, block_);
 }
 
-/// Splits the block as Q projections + Q' triangle and puts Q' behind the first `columns` of the basis. The first pass
-/// takes the part in the columns from `near` on, where there is any but rounding; the second, after the normalisation,
-/// what rounding and cancellation have left in all of them.
-void BlockLanczos::attach(MatrixXd block, Index near, Index columns, MatrixXd& projections, MatrixXd& triangle) {
-  mass_weighted_modes_ = mass_ * block;
-  const double scale = std::sqrt(block.cwiseProduct(mass_weighted_modes_).colwise().sum().maxCoeff());
+/// Makes the columns of V M-orthonormal, V = V' T with V' and M V' in place of V and M V; directions shorter than
+/// `shortest` are dropped, so that T is r x k.
+MatrixXd BlockLanczos::normalise(double shortest) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> gram(block_.transpose() * mass_weighted_modes_);
+  const Index dropped = (gram.eigenvalues().array() <= shortest * shortest).count();  // ascending: the first ones
+  const Index kept = block_.cols() - dropped;
+  const Eigen::VectorXd lengths = gram.eigenvalues().tail(kept).cwiseSqrt();
+  const MatrixXd directions = gram.eigenvectors().rightCols(kept);
+  const MatrixXd scaled = directions * lengths.cwiseInverse().asDiagonal();
+  for (MatrixXd* columns : {&block_, &mass_weighted_modes_}) {
+    scratch_.noalias() = *columns * scaled;
+    columns->swap(scratch_);
+  }
+  return lengths.asDiagonal() * directions.transpose();
+}
+
+/// Splits V as Q projections + Q' triangle and puts Q' behind the first `columns` of the basis. The first pass takes
+/// the part in the columns from `near` on, where there is any but rounding; the second, after the normalisation, what
+/// rounding and cancellation have left in all of them.
+void BlockLanczos::attach(Index near, Index columns, MatrixXd& projections, MatrixXd& triangle) {
+  mass_weighted_modes_.noalias() = mass_ * block_;
+  const double scale = std::sqrt(block_.cwiseProduct(mass_weighted_modes_).colwise().sum().maxCoeff());
   const auto close = basis_.middleCols(near, columns - near), basis = basis_.leftCols(columns);
-  projections.setZero(columns, block.cols());
+  projections.setZero(columns, block_.cols());
   projections.bottomRows(columns - near).noalias() = close.transpose() * mass_weighted_modes_;
-  block.noalias() -= close * projections.bottomRows(columns - near);
-  mass_weighted_modes_ = mass_ * block;
-  triangle = normalise(no_direction * scale, block, mass_weighted_modes_);
+  block_.noalias() -= close * projections.bottomRows(columns - near);
+  mass_weighted_modes_.noalias() = mass_ * block_;
+  triangle = normalise(no_direction * scale);
   const MatrixXd remainder = basis.transpose() * mass_weighted_modes_;
-  block.noalias() -= basis * remainder;
-  mass_weighted_modes_ = mass_ * block;
+  block_.noalias() -= basis * remainder;
+  mass_weighted_modes_.noalias() = mass_ * block_;
   projections += remainder * triangle;
-  triangle =
-      normalise(0.5, block, mass_weighted_modes_) * triangle;  // nothing that is left had length 1: it lay in the basis
-  last_ = block.cols();
-  basis_.middleCols(columns, last_) = block;
+  triangle = normalise(0.5) * triangle;  // nothing that is left had length 1: it lay in the basis
+  last_ = block_.cols();
+  basis_.middleCols(columns, last_) = block_;
 }
 
 // A block Lanczos step with full second orthogonalisation: apply A^-1 M to the last block, take out the part that lies
@@ -68,10 +71,10 @@ bool BlockLanczos::step() {
   stop_if_asked();
   if (last_ == 0) return false;
   const Index columns = size_ + last_;
-  const MatrixXd image = image_of(mass_weighted_modes_);
   const Index begin = size_, width = last_;
+  apply();
   MatrixXd projections, triangle;
-  attach(image, coupled_, columns, projections, triangle);
+  attach(coupled_, columns, projections, triangle);
 
   projected_.conservativeResize(columns, columns);
   projected_.middleCols(begin, width) = projections;
@@ -84,11 +87,12 @@ bool BlockLanczos::step() {
 }
 
 bool BlockLanczos::restart_at_random() {
-  MatrixXd block(basis_.rows(), width_);
-  for (double& value : block.reshaped()) value = std::ldexp(random_(), -31) - 1.0;
-  block = image_of(mass_ * block);
+  block_.resize(basis_.rows(), width_);
+  for (double& value : block_.reshaped()) value = std::ldexp(random_(), -31) - 1.0;
+  mass_weighted_modes_.noalias() = mass_ * block_;
+  apply();
   MatrixXd projections, triangle;
-  attach(block, 0, size_, projections, triangle);
+  attach(0, size_, projections, triangle);
   coupling_.setZero(last_, size_);
   coupled_ = 0;  // not with them but with what of their images the block that is replaced held
   return last_ > 0;

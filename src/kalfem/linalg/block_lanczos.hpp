@@ -4,7 +4,7 @@
 #include <Eigen/Sparse>
 #include <random>
 
-#include "kalfem/linalg/sparse_factor.hpp"
+#include "kalfem/linalg/stiffness_factor.hpp"
 
 namespace kalfem {
 
@@ -20,8 +20,9 @@ struct RitzPairs {
 /// and solves for the whole block at once. M may be semi-definite: the space stays in the range of A^-1 M.
 class BlockLanczos {
 public:
-  /// `factor` of A and `mass` M, n x n, are kept by reference; the basis has at most `capacity` columns at a time.
-  BlockLanczos(const SparseFactor& factor, const Eigen::SparseMatrix<double>& mass, Eigen::Index width,
+  /// `factor` of A and `mass` M, n x n, are kept by reference; the basis has at most `capacity` columns at a time. With
+  /// rigid modes in the factor, A^-1 is its respond(), and the space M-orthogonal to them.
+  BlockLanczos(const StiffnessFactor& factor, const Eigen::SparseMatrix<double>& mass, Eigen::Index width,
                Eigen::Index capacity);
 
   /// Applies the operator to the last block. False where there is none: the space is invariant.
@@ -39,19 +40,20 @@ public:
   [[nodiscard]] Eigen::Index solves() const { return solves_; }
 
 private:
-  Eigen::MatrixXd image_of(
-      const Eigen::MatrixXd& mass_weighted_modes);  ///< A^-1 M V of vectors V with the mass-weighted modes M V
-  void attach(Eigen::MatrixXd block, Eigen::Index near, Eigen::Index columns, Eigen::MatrixXd& projections,
-              Eigen::MatrixXd& triangle);
+  void apply();
+  Eigen::MatrixXd normalise(double shortest);
+  void attach(Eigen::Index near, Eigen::Index columns, Eigen::MatrixXd& projections, Eigen::MatrixXd& triangle);
 
-  const SparseFactor& factor_;
+  const StiffnessFactor& factor_;
   const Eigen::SparseMatrix<double>& mass_;
   Eigen::Index width_;
   Eigen::Index size_ = 0;  ///< columns to which the operator was applied; the last block follows them
   Eigen::Index last_ = 0;  ///< width of the last block
   Eigen::Index solves_ = 0;
   Eigen::MatrixXd basis_;                ///< n x capacity, M-orthonormal
-  Eigen::MatrixXd mass_weighted_modes_;  ///< M Q of the last block, n x last_
+  Eigen::MatrixXd block_;                ///< V, the last block or what becomes the next one, n x width
+  Eigen::MatrixXd mass_weighted_modes_;  ///< M V
+  Eigen::MatrixXd scratch_;              ///< of their size: at millions of rows an allocation a step costs much
   Eigen::MatrixXd projected_;            ///< Q^T M A^-1 M Q, of the first `size_` columns
   Eigen::Index coupled_ = 0;             ///< first column of the basis with which the last block is coupled
   Eigen::MatrixXd coupling_;             ///< last_ x size_: A^-1 M Q = Q projected + Q_last coupling

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "kalfem/base/invalid_input.hpp"
@@ -72,8 +73,6 @@ using Matrix = Eigen::SparseMatrix<double>;
 
 namespace {
 
-constexpr double rigid_energy = 1e-12;
-constexpr double doubtful_pivot = 1e-10;
 constexpr double guard_tolerance = 1e-2;  ///< of the first pair that is not wanted: only its place matters
 constexpr double check_tolerance = 5e-2;
 constexpr double same_value = 1e-7;  ///< eigenvalues that differ less are one
@@ -97,17 +96,6 @@ void check(const Matrix& stiffness, const Matrix& mass, const LowestModesOptions
     issues.add({}, std::to_string(*options.count) + " modes are requested", "the number must not be negative");
   if (!(options.tolerance > 0.0)) issues.add({}, "the tolerance is not positive");
   issues.raise();
-}
-
-double natural_shift(const Matrix& stiffness, const Matrix& mass) {
-  const VectorXd k = stiffness.diagonal(), m = mass.diagonal();
-  std::vector<double> ratios;
-  for (Index j = 0; j < k.size(); ++j)
-    if (k[j] > 0.0 && m[j] > 0.0) ratios.push_back(k[j] / m[j]);
-  if (ratios.empty()) return 1.0;  // no stiffness anywhere: every mode is at zero, whatever the shift
-  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-  std::nth_element(ratios.begin(), middle, ratios.end());
-  return 1e-8 * *middle;
 }
 
 // In theta the wanted pairs come first and their end is either a number or a least theta. A pair counts once its
@@ -206,43 +194,43 @@ Index count_below(const Matrix& stiffness, const Matrix& mass, double lambda) {
 struct Problem {
   const Matrix& stiffness;
   const Matrix& mass;
-  const ShiftedStiffness& shifted;
-  const LowestModesOptions& options;
+  const StiffnessFactor& factored;
+  const LowestModesOptions& options;  ///< of the modes beside the rigid ones that the factor knows
 
   [[nodiscard]] VectorXd lambda(const RitzPairs& pairs, Index count) const {
-    return pairs.values.head(count).cwiseInverse().array() - shifted.shift;
+    return pairs.values.head(count).cwiseInverse().array() - factored.shift;
   }
 
   [[nodiscard]] bool complete(BlockLanczos& lanczos, const RitzPairs& pairs, Index count, double floor) const {
     if (options.check == ModeCheck::none) return true;
     const bool sturm =
         options.check == ModeCheck::sturm || (options.check == ModeCheck::automatic && mass.rows() <= sturm_limit);
-    const Index known = (pairs.values.head(count).array() > floor).count();
-    if (sturm && count_below(stiffness, mass, 1.0 / floor - shifted.shift) <= known) return true;
+    const Index known = factored.rigid_modes.cols() + (pairs.values.head(count).array() > floor).count();
+    if (sturm && count_below(stiffness, mass, 1.0 / floor - factored.shift) <= known) return true;
     return fresh_block_agrees(lanczos, pairs, count, floor) && !sturm;
   }
 };
 
 /// One more application of (K + s M)^-1 M takes out what M does not see.
-MatrixXd purified(const Matrix& mass, const SparseFactor& factor, MatrixXd vectors) {
+MatrixXd purified(const Matrix& mass, const StiffnessFactor& factored, MatrixXd vectors) {
   vectors = mass * vectors;
-  factor.solve(vectors, vectors);
+  factored.respond(vectors, vectors);
   const VectorXd lengths = vectors.cwiseProduct(mass * vectors).colwise().sum().cwiseSqrt();
   return vectors * lengths.cwiseInverse().asDiagonal();
 }
 
 // The lowest modes of a large model are found in four steps:
 //   1. shift and invert: A = K + s M is factored once; its inverse has the values theta = 1 / (lambda + s), so that the
-//      lowest modes are the largest theta, which a Krylov space shows first;
+//      lowest modes are the largest theta, which a Krylov space shows first. Known rigid modes stay out of the space;
 //   2. iterate: the space grows by blocks until the wanted pairs have converged in it, and shrinks to its leading Ritz
 //      vectors where it is full (thick restart);
 //   3. check: either the inertia of K - lambda M counts the values below (Sylvester), or a random block that is
 //      iterated in the complement must bring nothing above the last value found. Where a pair was missed, go on;
 //   4. purify: a mass matrix with zeros lets components grow that M does not see; one more A^-1 M takes them out.
 LowestModes by_lanczos(const Problem& problem) {
-  const auto& [stiffness, mass, shifted, options] = problem;
-  const Wanted wanted(options, shifted.shift);
-  BlockLanczos lanczos(shifted.factor, mass, block_width, capacity_for(expected(options)));
+  const auto& [stiffness, mass, factored, options] = problem;
+  const Wanted wanted(options, factored.shift);
+  BlockLanczos lanczos(factored, mass, block_width, capacity_for(expected(options)));
   lanczos.restart_at_random();
   for (int attempt = 0; attempt < most_checks; ++attempt) {
     const RitzPairs pairs = iterate(lanczos, wanted);
@@ -250,8 +238,8 @@ LowestModes by_lanczos(const Problem& problem) {
     MatrixXd vectors = lanczos.vectors(pairs, count);
     if (count > 0 && !problem.complete(lanczos, pairs, count, wanted.floor(pairs, count))) continue;
     LowestModes modes{problem.lambda(pairs, count), std::move(vectors), {}, lanczos.solves()};
-    if (pairs.values.size() > count) modes.next = 1.0 / pairs.values[count] - shifted.shift;
-    if ((mass.diagonal().array() <= 0.0).any()) modes.vectors = purified(mass, shifted.factor, modes.vectors);
+    if (pairs.values.size() > count) modes.next = 1.0 / pairs.values[count] - factored.shift;
+    if ((mass.diagonal().array() <= 0.0).any()) modes.vectors = purified(mass, factored, modes.vectors);
     return modes;
   }
   throw InvalidInput("eigenvalues below the highest one found are missing",
@@ -261,7 +249,8 @@ LowestModes by_lanczos(const Problem& problem) {
 }
 
 LowestModes by_dense(const Problem& problem) {
-  const DensePairs pairs = dense_modes(problem.stiffness, problem.mass, problem.shifted.factor, problem.shifted.shift);
+  const DensePairs pairs =
+      dense_modes(problem.stiffness, problem.mass, problem.factored.factor, problem.factored.shift);
   const double limit = problem.options.below.value_or(std::numeric_limits<double>::infinity());
   const Index all = pairs.values.size();
   const Index count = std::min({(pairs.values.array() <= limit).count(), all, problem.options.count.value_or(all)});
@@ -270,20 +259,21 @@ LowestModes by_dense(const Problem& problem) {
   return modes;
 }
 
-/// Nothing where the matrix is singular, or a pivot is so small that it may be the rounding of a large model's zero.
-std::optional<SparseFactor> safely_definite(const Matrix& matrix, const EliminationOrder& order) {
-  try {
-    SparseFactor factor(matrix, order);
-    if (factor.smallest_pivot() < doubtful_pivot) return {};
-    return factor;
-  } catch (const NotPositiveDefinite&) {
-    return {};
-  }
-}
-
 void clean_rigid_modes(const Matrix& stiffness, LowestModes& modes) {
   for (Index i = 0; i < modes.values.size() && moves_rigidly(stiffness, modes.vectors.col(i)); ++i)
     modes.values[i] = 0.0;
+}
+
+/// The modes with the rigid ones, which the factor knows, before them.
+LowestModes behind(const MatrixXd& rigid_modes, LowestModes modes) {
+  if (rigid_modes.cols() == 0) return modes;
+  const Index rigid = rigid_modes.cols(), elastic = modes.values.size();
+  VectorXd values = VectorXd::Zero(rigid + elastic);
+  values.tail(elastic) = modes.values;
+  MatrixXd vectors(rigid_modes.rows(), rigid + elastic);
+  vectors.leftCols(rigid) = rigid_modes;
+  vectors.rightCols(elastic) = modes.vectors;
+  return {std::move(values), std::move(vectors), modes.next, modes.solves};
 }
 
 void fix_signs(MatrixXd& vectors) {
@@ -298,32 +288,13 @@ void fix_signs(MatrixXd& vectors) {
 
 }  // namespace
 
-ShiftedStiffness factor_stiffness(const Matrix& stiffness, const Matrix& mass, std::span<const std::string> names,
-                                  const EliminationOrder& order) {
-  if (auto factor = safely_definite(stiffness, order)) return {std::move(*factor), 0.0};
-  const double shift = natural_shift(stiffness, mass);
-  try {
-    return {SparseFactor(stiffness + shift * mass), shift};
-  } catch (const NotPositiveDefinite& error) {
-    const auto column = static_cast<std::size_t>(error.column());
-    throw InvalidInput("degree of freedom " + (names.empty() ? std::to_string(column) : "'" + names[column] + "'") +
-                           " takes part in a motion that has no stiffness and no mass, or negative stiffness",
-                       "K must be positive semi-definite, and motions without stiffness need mass",
-                       "fix that degree of freedom or give it a mass");
-  }
-}
-
-bool moves_rigidly(const Matrix& stiffness, const Eigen::Ref<const VectorXd>& shape) {
-  return shape.dot(stiffness * shape) <= rigid_energy * stiffness.diagonal().dot(shape.cwiseAbs2());
-}
-
 LowestModes lowest_modes(const Matrix& stiffness, const Matrix& mass, const LowestModesOptions& options) {
   check(stiffness, mass, options);
   if (stiffness.rows() == 0) return lowest_modes(stiffness, mass, {SparseFactor(stiffness), 0.0}, options);
   return lowest_modes(stiffness, mass, factor_stiffness(stiffness, mass), options);
 }
 
-LowestModes lowest_modes(const Matrix& stiffness, const Matrix& mass, const ShiftedStiffness& shifted,
+LowestModes lowest_modes(const Matrix& stiffness, const Matrix& mass, const StiffnessFactor& factored,
                          const LowestModesOptions& options) {
   check(stiffness, mass, options);
   const Index massive = (mass.diagonal().array() > 0.0).count();
@@ -332,10 +303,15 @@ LowestModes lowest_modes(const Matrix& stiffness, const Matrix& mass, const Shif
                            std::to_string(massive) + " degrees of freedom",
                        "a model has no more modes than degrees of freedom with mass", "request fewer modes");
   if (massive == 0) return {VectorXd(0), MatrixXd(mass.rows(), 0), {}, 0};
-  const Problem problem{stiffness, mass, shifted, options};
+  const Index rigid = factored.rigid_modes.cols();
   const bool most_of_all = 3 * options.count.value_or(0) >= massive && mass.rows() <= sturm_limit;
-  LowestModes modes = massive <= dense_limit || most_of_all ? by_dense(problem) : by_lanczos(problem);
-  if (shifted.shift > 0.0) clean_rigid_modes(stiffness, modes);
+  const bool dense = massive <= dense_limit || most_of_all;
+  if (rigid > 0 && (dense || options.count.value_or(rigid) < rigid)) return lowest_modes(stiffness, mass, options);
+  LowestModesOptions elastic = options;
+  if (options.count) elastic.count = *options.count - rigid;
+  const Problem problem{stiffness, mass, factored, elastic};
+  LowestModes modes = dense ? by_dense(problem) : behind(factored.rigid_modes, by_lanczos(problem));
+  if (factored.shift > 0.0) clean_rigid_modes(stiffness, modes);
   fix_signs(modes.vectors);
   return modes;
 }

@@ -3,10 +3,8 @@
 #include <Eigen/Dense>
 #include <Eigen/Sparse>
 #include <optional>
-#include <span>
-#include <string>
 
-#include "kalfem/linalg/sparse_factor.hpp"
+#include "kalfem/linalg/stiffness_factor.hpp"
 
 namespace kalfem {
 
@@ -37,23 +35,6 @@ struct LowestModes {
   Eigen::Index solves = 0;     ///< back-solves that it took
 };
 
-/// The factor of K + shift M. The shift is 0 where K is safely positive definite: the factor serves for statics then.
-struct ShiftedStiffness {
-  SparseFactor factor;
-  double shift = 0.0;  ///< [(rad/s)^2]
-};
-
-/// Factors K, or, where it is singular or a pivot is so small that it may be (below 1e-10 K_jj), K + s M with s a
-/// hundred-millionth of the median of K_jj / M_jj: near the lowest elastic eigenvalues of a finite-element model, and
-/// far above the rounding of its highest ones. Throws InvalidInput where K is indefinite or a motion has neither
-/// stiffness nor mass; the message calls the degree of freedom by its name, where names are given.
-/// `order`: of the factor of a matrix with K's pattern, to be used again.
-ShiftedStiffness factor_stiffness(const Eigen::SparseMatrix<double>& stiffness, const Eigen::SparseMatrix<double>& mass,
-                                  std::span<const std::string> names = {}, const EliminationOrder& order = {});
-
-/// Whether phi^T K phi <= 1e-12 sum_j K_jj phi_j^2: the strain energy is rounding of the energies that cancel in it.
-bool moves_rigidly(const Eigen::SparseMatrix<double>& stiffness, const Eigen::Ref<const Eigen::VectorXd>& shape);
-
 /// Lowest eigenpairs of large sparse symmetric K (positive semi-definite) and M (positive definite or semi-definite) by
 /// block Lanczos on (K + s M)^-1 M [GLS94]; small problems, or nearly all pairs of a larger one, by the dense solver.
 ///
@@ -63,6 +44,6 @@ bool moves_rigidly(const Eigen::SparseMatrix<double>& stiffness, const Eigen::Re
 LowestModes lowest_modes(const Eigen::SparseMatrix<double>& stiffness, const Eigen::SparseMatrix<double>& mass,
                          const LowestModesOptions& options);
 LowestModes lowest_modes(const Eigen::SparseMatrix<double>& stiffness, const Eigen::SparseMatrix<double>& mass,
-                         const ShiftedStiffness& shifted, const LowestModesOptions& options);
+                         const StiffnessFactor& factored, const LowestModesOptions& options);
 
 }  // namespace kalfem

@@ -76,11 +76,13 @@ void check(const LinearModel& model, const std::vector<double>& ratios, const Mo
   issues.raise();
 }
 
-LowestModes lowest(const LinearModel& model, std::optional<Index> count, std::optional<double> up_to) {
+LowestModes lowest(const LinearModel& model, std::optional<Index> count, std::optional<double> up_to,
+                   const StiffnessFactor* factor) {
   LowestModesOptions wanted;
   if (count) wanted.count = std::min(*count, (model.mass.diagonal().array() > 0.0).count());
   if (up_to) wanted.below = std::pow(2.0 * std::numbers::pi * *up_to, 2);
-  return lowest_modes(model.stiffness, model.mass, wanted);
+  return factor ? lowest_modes(model.stiffness, model.mass, *factor, wanted)
+                : lowest_modes(model.stiffness, model.mass, wanted);
 }
 
 VectorXd frequencies_of(const LowestModes& modes) { return modes.values.cwiseSqrt() / (2.0 * std::numbers::pi); }
@@ -89,10 +91,11 @@ VectorXd frequencies_of(const LowestModes& modes) { return modes.values.cwiseSqr
 
 // Steps: compute the lowest modes; give each its rate 2 zeta omega; damp the rest by alpha M with the last rate, taken
 // off the stored ones again; keep modes and rates, as C_m would be a full matrix.
-void add_modal_damping(LinearModel& model, const std::vector<double>& ratios, const ModalDampingOptions& options) {
+void add_modal_damping(LinearModel& model, const std::vector<double>& ratios, const ModalDampingOptions& options,
+                       const StiffnessFactor* factor) {
   check(model, ratios, options);
   if (ratios.empty()) return;
-  LowestModes modes = lowest(model, options.count, options.up_to);
+  LowestModes modes = lowest(model, options.count, options.up_to, factor);
   const Index count = modes.values.size();
   if (count == 0) return;
   const VectorXd frequencies = frequencies_of(modes);
@@ -106,12 +109,13 @@ void add_modal_damping(LinearModel& model, const std::vector<double>& ratios, co
 }
 
 // The modes of the modal damping serve where they are enough, or where the asked band ends before them.
-NormalModes lowest_normal_modes(const LinearModel& model, Index count, std::optional<double> up_to) {
+NormalModes lowest_normal_modes(const LinearModel& model, Index count, std::optional<double> up_to,
+                                const StiffnessFactor* factor) {
   const auto& [frequencies, shapes] = model.modal_damping.modes;
   const Index in_range = up_to ? (frequencies.array() <= *up_to).count() : frequencies.size();
   const Index wanted = std::min(count, in_range);
   if (wanted == count || in_range < frequencies.size()) return {frequencies.head(wanted), shapes.leftCols(wanted)};
-  LowestModes modes = lowest(model, count, up_to);
+  LowestModes modes = lowest(model, count, up_to, factor);
   return {frequencies_of(modes), std::move(modes.vectors)};
 }
 

@@ -10,6 +10,7 @@
 namespace kalfem {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
+struct StiffnessFactor;
 
 /// Coefficients over the degrees of freedom of a model: a point's displacement is sum_i coefficient_i z_i.
 using DofCombination = std::map<std::string, double>;
@@ -80,10 +81,13 @@ struct ModalDampingOptions {
 /// at all (their stored rate is -alpha). The ratio above omega_p so falls as omega_p / omega.
 /// Damping that the model has already stays. Throws InvalidInput where a ratio is negative or not finite, where neither
 /// a number nor a frequency is given, or the model has modal damping already.
-void add_modal_damping(LinearModel& model, const std::vector<double>& ratios, const ModalDampingOptions& options);
+/// `factor`: of the model's K, where it is at hand.
+void add_modal_damping(LinearModel& model, const std::vector<double>& ratios, const ModalDampingOptions& options,
+                       const StiffnessFactor* factor = nullptr);
 
 /// The model's lowest `count` normal modes, or fewer where they end at a frequency [Hz]. They are not computed where
-/// the modal damping knows them already.
-NormalModes lowest_normal_modes(const LinearModel& model, Eigen::Index count, std::optional<double> up_to = {});
+/// the modal damping knows them already. `factor`: of the model's K, where it is at hand.
+NormalModes lowest_normal_modes(const LinearModel& model, Eigen::Index count, std::optional<double> up_to = {},
+                                const StiffnessFactor* factor = nullptr);
 
 }  // namespace kalfem

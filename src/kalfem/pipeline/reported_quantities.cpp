@@ -63,7 +63,7 @@ std::vector<SubstructureModes> substructure_modes(const Study& study, Eigen::Ind
 }
 
 SubstructureModes modes_of(const FiniteElementPart& part, Eigen::Index count) {
-  const auto modes = count > 0 ? lowest_normal_modes(part.full, count) : NormalModes{};
+  const auto modes = count > 0 ? lowest_normal_modes(part.full, count, {}, part.factor.get()) : NormalModes{};
   return {part.name, part.full.size(), part.mass.mass, modes.frequencies, modes.shapes};
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "kalfem/base/parallel.hpp"
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/identification/expected_record.hpp"
 #include "kalfem/identification/filter_likelihood.hpp"

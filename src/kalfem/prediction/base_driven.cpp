@@ -92,7 +92,7 @@ BaseDrivenSubstructure::BaseDrivenSubstructure(const LinearModel& model, std::ve
         boundary_.empty() ? "no connector is attached to the predicted substructure"
                           : "the predicted substructure has no degree of freedom other than those of its connectors",
         "the prediction drives the interior by the motion of the boundary", "predict another substructure");
-  const ShiftedStiffness factored = factor_stiffness(parts.stiffness_ii, parts.mass_ii, parts.interior_names);
+  const StiffnessFactor factored = factor_stiffness(parts.stiffness_ii, parts.mass_ii, parts.interior_names);
   const MatrixXd rigid_modes = rigid_body_modes(parts, factored);
   require_held(rigid_modes, parts.interior_names);
   driven_.dofs = parts.interior_names;

@@ -78,7 +78,7 @@ double comparison_band(const ReductionErrorIndicators& error_indicators, const R
 /// their factor, ends here.
 Superelement reduced(const LinearModel& model, const std::vector<std::string>& names, const ReductionOptions& options) {
   const Partition parts = partition(model, names);
-  const ShiftedStiffness factored =
+  const StiffnessFactor factored =
       factor_stiffness(parts.stiffness_ii, parts.mass_ii, parts.interior_names, options.order);
   const MatrixXd static_part = constraint_modes(parts, factored, rigid_body_modes(parts, factored));
   SelectedModes selected = select_modes(parts, static_part * translations(names), factored, options.modes);
@@ -114,8 +114,8 @@ Superelement craig_bampton(const LinearModel& model, const std::vector<std::stri
   Superelement element = reduced(model, joined(boundary, options.also_kept), options);
   element.error_indicators.seconds = watch.seconds();
   if (options.error_indicators)
-    element.error_indicators.modes =
-        compare_modes(model, element.model, element.basis, comparison_band(element.error_indicators, options));
+    element.error_indicators.modes = compare_modes(
+        model, element.model, element.basis, comparison_band(element.error_indicators, options), options.whole.get());
   return element;
 }
 

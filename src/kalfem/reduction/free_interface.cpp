@@ -37,10 +37,13 @@ struct FreeModes {
 };
 
 /// Modes of the component with nothing held: those of the interior of an empty boundary.
-FreeModes free_modes(const LinearModel& model, const ModeSelection& selection) {
+FreeModes free_modes(const LinearModel& model, const ModeSelection& selection, const StiffnessFactor* at_hand) {
   const Partition whole = partition(model, {});
-  const ShiftedStiffness factored = factor_stiffness(whole.stiffness_ii, whole.mass_ii, whole.interior_names);
-  return {select_modes(whole, MatrixXd(model.size(), 0), factored, selection), factored.factor.bytes()};
+  const auto modes = [&](const StiffnessFactor& factored) -> FreeModes {
+    return {select_modes(whole, MatrixXd(model.size(), 0), factored, selection), factored.factor.bytes()};
+  };
+  if (at_hand) return modes(*at_hand);
+  return modes(factor_stiffness(whole.stiffness_ii, whole.mass_ii, whole.interior_names));
 }
 
 /// Orthonormal basis of the rigid-body motions, as combinations of all of them, that boundary forces can cause.
@@ -72,7 +75,7 @@ struct Space {
 //   3. Phi - Psi Phi_b vanishes on the boundary; orthonormalised and uncoupled it takes the place of fixed-interface
 //      modes.
 Space rubin_space(const LinearModel& model, const Partition& parts, const SelectedModes& kept) {
-  const ShiftedStiffness factored = factor_stiffness(parts.stiffness_ii, parts.mass_ii, parts.interior_names);
+  const StiffnessFactor factored = factor_stiffness(parts.stiffness_ii, parts.mass_ii, parts.interior_names);
   const auto n_b = static_cast<Index>(parts.boundary.size());
   const MatrixXd at_boundary = kept.modes.vectors(parts.boundary, Eigen::all);
   const MatrixXd rigid = kept.modes.vectors.leftCols(kept.rigid) * caused_by_boundary(at_boundary.leftCols(kept.rigid));
@@ -158,7 +161,7 @@ Superelement free_interface(const LinearModel& model, const std::vector<std::str
   require_free_modes(options.modes);
   const std::vector<std::string> names = joined(boundary, options.also_kept);
   const Partition parts = partition(model, names);
-  const FreeModes free = free_modes(model, options.modes);
+  const FreeModes free = free_modes(model, options.modes, options.whole.get());
   const SelectedModes& kept = free.selected;
   const Space space = rubin_space(model, parts, kept);
 
@@ -184,8 +187,8 @@ Superelement free_interface(const LinearModel& model, const std::vector<std::str
   error_indicators.solves = kept.modes.solves + space.solves;
   error_indicators.seconds = watch.seconds();
   if (options.error_indicators)
-    error_indicators.modes =
-        compare_modes(model, element.model, element.basis, comparison_band(error_indicators, options));
+    error_indicators.modes = compare_modes(model, element.model, element.basis,
+                                           comparison_band(error_indicators, options), options.whole.get());
   return element;
 }
 

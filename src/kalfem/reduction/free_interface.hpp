@@ -18,7 +18,8 @@ struct FreeInterfaceOptions {
   std::vector<std::string> also_kept = {};  ///< degrees of freedom treated as boundary beside it, such as sensors'
   double compare_up_to = 0.0;  ///< band of the evidence's comparison [Hz]; 0: half the highest kept, or half the first
                                ///< left out where only rigid-body modes are kept
-  bool error_indicators = true;  ///< compare at all (costs the full model's modes)
+  bool error_indicators = true;                       ///< compare at all (costs the full model's modes)
+  std::shared_ptr<const StiffnessFactor> whole = {};  ///< factor of the whole model's K, where it is at hand
 };
 
 /// Free-interface reduction: the lowest modes Phi of the component whose boundary is free (Lambda their values), with
@@ -43,10 +44,10 @@ struct FreeInterfaceOptions {
 /// Rubin's. Frequencies may err to either side. Where so few modes are left out that G_r is singular, the reduction is
 /// Rubin's (which is exact there), and the evidence says so.
 ///
-/// Two factorisations, of K (K + s M for a free component) and K_ii, and n_b + 6 back-solves beside the modes'; a third
-/// of K_ii where the held boundary leaves the interior free to move. The evidence speaks of the free modes. Throws
-/// InvalidInput with every boundary name that is unknown or doubled, where the selection gives no criterion, or a part
-/// of the mass.
+/// Two factorisations, of K (K + s M for a free component; none where `whole` is given) and K_ii, and n_b + 6
+/// back-solves beside the modes'; a third of K_ii where the held boundary leaves the interior free to move. The
+/// evidence speaks of the free modes. Throws InvalidInput with every boundary name that is unknown or doubled, where
+/// the selection gives no criterion, or a part of the mass.
 Superelement free_interface(const LinearModel& model, const std::vector<std::string>& boundary,
                             const FreeInterfaceOptions& options);
 

@@ -62,22 +62,10 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Degrees of freedom that hold the rigid-body modes best: those of the pivots of R^T, each row of R by the stiffness
-/// there, so that rotations and translations compare.
-std::vector<Index> supports(const SparseMatrix& stiffness, const MatrixXd& rigid_modes) {
-  if (rigid_modes.cols() == 0) return {};
-  const VectorXd scale = stiffness.diagonal().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::ColPivHouseholderQR<MatrixXd> pivots(MatrixXd(rigid_modes.transpose() * scale.asDiagonal()));
-  const auto order = pivots.colsPermutation().indices().head(rigid_modes.cols());
-  return {order.begin(), order.end()};
-}
-
 /// The loads on a free body that its displacements answer are in equilibrium, so springs at a statically determinate
 /// support carry nothing, whatever their stiffness: the solution is that of the free body.
 MatrixXd solve_supported(const Partition& parts, const MatrixXd& loads, const MatrixXd& rigid_modes) {
-  SparseMatrix supported = parts.stiffness_ii;
-  for (const Index dof : supports(parts.stiffness_ii, rigid_modes)) supported.coeffRef(dof, dof) *= 2.0;
-  const SparseFactor factor(supported);
+  const SparseFactor factor(held_stiffness(parts.stiffness_ii, rigid_modes));
   MatrixXd displacements = factor.solve(loads);
   // What the factor of a nearly singular matrix lost in the first place.
   displacements += factor.solve(loads - parts.stiffness_ii * displacements);
@@ -86,12 +74,12 @@ MatrixXd solve_supported(const Partition& parts, const MatrixXd& loads, const Ma
 
 }  // namespace
 
-MatrixXd interior_response(const Partition& parts, const ShiftedStiffness& factored, const MatrixXd& loads,
+MatrixXd interior_response(const Partition& parts, const StiffnessFactor& factored, const MatrixXd& loads,
                            const MatrixXd& rigid_modes) {
-  return factored.shift == 0.0 ? factored.factor.solve(loads) : solve_supported(parts, loads, rigid_modes);
+  return factored.regular() ? factored.factor.solve(loads) : solve_supported(parts, loads, rigid_modes);
 }
 
-MatrixXd constraint_modes(const Partition& parts, const ShiftedStiffness& factored, const MatrixXd& rigid_modes) {
+MatrixXd constraint_modes(const Partition& parts, const StiffnessFactor& factored, const MatrixXd& rigid_modes) {
   return interior_response(parts, factored, -MatrixXd(parts.stiffness_ib), rigid_modes);
 }
 
@@ -157,14 +145,14 @@ Index modes_for_mass(const MatrixXd& mass_weighted_modes, const VectorXd& masses
 /// Computes modes in growing numbers, until what is wanted is among them or there are no more.
 class Search {
 public:
-  Search(const Partition& parts, const ShiftedStiffness& factored)
+  Search(const Partition& parts, const StiffnessFactor& factored)
       : parts_(parts), factored_(factored), available_((parts.mass_ii.diagonal().array() > 0.0).count()) {}
 
   void up_to_count(Index count) { extend({.count = std::min(count, available_)}); }
   void up_to_frequency(double frequency) { extend({.below = angular_squared(frequency)}); }
 
   void up_to_rigid_modes() {
-    if (factored_.shift == 0.0) return;
+    if (factored_.regular()) return;
     for (Index count = 8; modes.values.size() == rigid() && (modes.next || count == 8); count *= 2) up_to_count(count);
   }
 
@@ -191,7 +179,7 @@ private:
   }
 
   const Partition& parts_;
-  const ShiftedStiffness& factored_;
+  const StiffnessFactor& factored_;
   Index available_;
 };
 
@@ -204,13 +192,13 @@ void truncate(LowestModes& modes, Index kept) {
 
 }  // namespace
 
-MatrixXd rigid_body_modes(const Partition& parts, const ShiftedStiffness& factored) {
+MatrixXd rigid_body_modes(const Partition& parts, const StiffnessFactor& factored) {
   Search search(parts, factored);
   search.up_to_rigid_modes();
   return search.modes.vectors.leftCols(search.rigid());
 }
 
-SelectedModes select_modes(const Partition& parts, const MatrixXd& following, const ShiftedStiffness& factored,
+SelectedModes select_modes(const Partition& parts, const MatrixXd& following, const StiffnessFactor& factored,
                            const ModeSelection& selection) {
   check(selection);
   Search search(parts, factored);

@@ -23,13 +23,13 @@ Partition partition(const LinearModel& model, const std::vector<std::string>& bo
 /// U with K_ii U = F: how the interior follows static loads F, n_i x k, while the boundary is held. Where K_ii was
 /// shifted because it may be singular, F must be in equilibrium (R^T F = 0 with the M_ii-normalised rigid-body modes R,
 /// n_i x r, r may be 0), and R^T M_ii U = 0 holds.
-Eigen::MatrixXd interior_response(const Partition& parts, const ShiftedStiffness& factored,
-                                  const Eigen::MatrixXd& loads, const Eigen::MatrixXd& rigid_modes);
+Eigen::MatrixXd interior_response(const Partition& parts, const StiffnessFactor& factored, const Eigen::MatrixXd& loads,
+                                  const Eigen::MatrixXd& rigid_modes);
 
 /// Psi with K_ii Psi = -K_ib, n_i x n_b: how the interior follows unit displacements of the boundary statically. Where
 /// K_ii was shifted because it may be singular, with its M_ii-normalised rigid-body modes (n_i x r, r may be 0), the
 /// solution orthogonal to them.
-Eigen::MatrixXd constraint_modes(const Partition& parts, const ShiftedStiffness& factored,
+Eigen::MatrixXd constraint_modes(const Partition& parts, const StiffnessFactor& factored,
                                  const Eigen::MatrixXd& rigid_modes);
 
 /// Largest |K_ii psi + K_ib| / |K_ib| over the columns.
@@ -43,11 +43,11 @@ struct SelectedModes {
 };
 
 /// The interior's rigid-body modes while the boundary is held, n_i x r; none where K_ii is positive definite.
-Eigen::MatrixXd rigid_body_modes(const Partition& parts, const ShiftedStiffness& factored);
+Eigen::MatrixXd rigid_body_modes(const Partition& parts, const StiffnessFactor& factored);
 
 /// `following`: motion of the interior with each translation of the boundary, n_i x directions. Rigid-body modes are
 /// kept in any case. Throws InvalidInput where no criterion is given, or a value is out of its range.
-SelectedModes select_modes(const Partition& parts, const Eigen::MatrixXd& following, const ShiftedStiffness& factored,
+SelectedModes select_modes(const Partition& parts, const Eigen::MatrixXd& following, const StiffnessFactor& factored,
                            const ModeSelection& selection);
 
 /// Unit displacements of the boundary in each translation, n_b x directions; the names' last part tells the direction.

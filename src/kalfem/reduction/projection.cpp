@@ -161,8 +161,8 @@ double residual(const LinearModel& full, const VectorXd& shape, double value) {
 // Each mode of the full model is looked for in the span of the reduced modes of its frequency, recovered by T: modes of
 // equal frequency may be any combination of each other, and a single MAC would call a good reduction bad.
 std::vector<ModeComparison> compare_modes(const LinearModel& full, const LinearModel& reduced, const MatrixXd& basis,
-                                          double up_to) {
-  const NormalModes exact = lowest_normal_modes(full, reduced.size(), up_to);
+                                          double up_to, const StiffnessFactor* whole) {
+  const NormalModes exact = lowest_normal_modes(full, reduced.size(), up_to, whole);
   const Index finite = (reduced.mass.diagonal().array() > 0.0).count();
   // Beyond the band as well, so that each full mode finds its own and those of the same frequency.
   LowestModes own =

@@ -41,8 +41,10 @@ LinearModel projected_surroundings(const LinearModel& model, const Eigen::Matrix
 /// The boundary and what is kept beside it, each name once.
 std::vector<std::string> joined(const std::vector<std::string>& boundary, const std::vector<std::string>& also_kept);
 
-/// Full and reduced modes up to a frequency [Hz], place by place.
+/// Full and reduced modes up to a frequency [Hz], place by place. `whole`: factor of the full model's K, where it is at
+/// hand.
 std::vector<ModeComparison> compare_modes(const LinearModel& full, const LinearModel& reduced,
-                                          const Eigen::MatrixXd& basis, double up_to);
+                                          const Eigen::MatrixXd& basis, double up_to,
+                                          const StiffnessFactor* whole = nullptr);
 
 }  // namespace kalfem

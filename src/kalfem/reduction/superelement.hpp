@@ -1,10 +1,11 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "kalfem/linalg/sparse_factor.hpp"
+#include "kalfem/linalg/stiffness_factor.hpp"
 #include "kalfem/model/linear_model.hpp"
 
 namespace kalfem {
@@ -77,6 +78,7 @@ struct ReductionOptions {
   double compare_up_to = 0.0;    ///< band in which the evidence compares with the full model's modes [Hz]; 0: half the
                                  ///< highest kept, or half the first left out where none is kept
   bool error_indicators = true;  ///< compare at all (costs the full model's modes)
+  std::shared_ptr<const StiffnessFactor> whole = {};  ///< factor of the whole model's K, where it is at hand
 };
 
 /// Craig-Bampton: static boundary modes Psi = -K_ii^-1 K_ib and mass-normalised modes Phi of the interior held at the

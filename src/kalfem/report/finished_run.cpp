@@ -195,27 +195,32 @@ std::vector<FoundParameter> FinishedRun::parameters() const {
   return all;
 }
 
+FinishedRun finished_run_of(const std::string& text, const fs::path& place) {
+  const std::string again = "run the case again";
+  const Json summary = Json::parse(text, nullptr, false);
+  if (!summary.is_object() || !summary.contains("kalfem"))
+    fail(place, "it is damaged", "it is no summary of kalfem", again);
+  if (summary["kalfem"] != version)
+    fail(place, "it was written by kalfem " + summary["kalfem"].dump(),
+         "this is kalfem " + std::string(version) + ", whose summaries may differ", again + " with this version");
+  try {
+    FinishedRun run = run_of(summary);
+    run.summary = text;
+    return run;
+  } catch (const Json::exception&) {
+    fail(place, "it is damaged", "some of its values are missing or of another kind", again);
+  }
+}
+
 FinishedRun read_finished_run(const fs::path& folder) {
   const fs::path file = folder / "summary.json";
   std::error_code error;
   if (!fs::is_directory(folder, error)) fail(folder, "it is no folder", "", how_to_name_a_folder);
   if (!fs::is_regular_file(file, error))
     fail(folder, "it holds no results of a run", "summary.json is missing", how_to_name_a_folder);
-  const std::string text = text_of(file), again = "run the case again";
-  const Json summary = Json::parse(text, nullptr, false);
-  if (!summary.is_object() || !summary.contains("kalfem"))
-    fail(file, "it is damaged", "it is no summary of kalfem", again);
-  if (summary["kalfem"] != version)
-    fail(file, "it was written by kalfem " + summary["kalfem"].dump(),
-         "this is kalfem " + std::string(version) + ", whose summaries may differ", again + " with this version");
-  try {
-    FinishedRun run = run_of(summary);
-    run.folder = folder;
-    run.summary = text;
-    return run;
-  } catch (const Json::exception&) {
-    fail(file, "it is damaged", "some of its values are missing or of another kind", again);
-  }
+  FinishedRun run = finished_run_of(text_of(file), file);
+  run.folder = folder;
+  return run;
 }
 
 }  // namespace kalfem

@@ -70,6 +70,10 @@ struct FinishedRun {
   [[nodiscard]] std::vector<FoundParameter> parameters() const;
 };
 
+/// What a summary.json says; without a folder. Throws InvalidInput, as of the file `place`, where it is damaged or was
+/// written by another version of kalfem.
+FinishedRun finished_run_of(const std::string& summary, const std::filesystem::path& place);
+
 /// Reads the results of a run. Throws InvalidInput if `folder` is none, holds no summary.json, or one that is damaged
 /// or was written by another version of kalfem.
 FinishedRun read_finished_run(const std::filesystem::path& folder);

@@ -25,8 +25,6 @@
 #include "kalfem/study/study.hpp"
 
 namespace kalfem {
-namespace {
-
 using Json = nlohmann::ordered_json;
 
 void drop_times(Json& json) {
@@ -37,6 +35,8 @@ void drop_times(Json& json) {
   for (auto& item : json)
     if (item.is_structured()) drop_times(item);
 }
+
+namespace {
 
 /// What all files of one run carry, so that files of two runs are told apart: 16 hexadecimal digits, a hash of the case
 /// with all its defaults and of the numbers in its summary. Times that were taken are left out: the same run again has

@@ -20,6 +20,9 @@ inline nlohmann::ordered_json number(const std::optional<double>& value) {
 /// A list of such numbers.
 nlohmann::ordered_json numbers(const Eigen::Ref<const Eigen::VectorXd>& values);
 
+/// Takes the times that were measured out of summary.json, or a part of it: what stays is the same for the same run.
+void drop_times(nlohmann::ordered_json& json);
+
 /// The object "updating" of summary.json.
 nlohmann::ordered_json updating_summary(const Study& study, const UpdatingOutcome& outcome);
 

@@ -200,7 +200,7 @@ DescribedPart make_finite_element_part(const std::string& name, const d::Substru
     add_grounds(given, part.full);
     add_weighted_points(given, part.full);
     if (!given.damping.modal.empty())
-      add_modal_damping(part.full, given.damping.modal, {.up_to = given.damping.modal_up_to});
+      add_modal_damping(part.full, given.damping.modal, {.up_to = given.damping.modal_up_to}, part.factor.get());
   } catch (const InvalidInput& error) {
     IssueList issues;
     issues.add(error, given.finite_elements->location());

@@ -12,9 +12,9 @@ namespace kalfem {
 /// Lowest modes K Phi = M Phi Lambda, Phi^T M Phi = 1, with the matrices they are of; all kept by reference. K may be
 /// singular: rigid-body modes have lambda = 0 like others.
 struct SolvedEigenproblem {
-  const SparseMatrix& stiffness;    ///< K, n x n
-  const SparseMatrix& mass;         ///< M, n x n
-  const ShiftedStiffness& shifted;  ///< the factor of K + s M with which the modes were found
+  const SparseMatrix& stiffness;   ///< K, n x n
+  const SparseMatrix& mass;        ///< M, n x n
+  const StiffnessFactor& shifted;  ///< the factor of K + s M with which the modes were found
   const LowestModes& modes;
 };
 

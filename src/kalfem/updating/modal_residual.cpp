@@ -164,7 +164,7 @@ VectorXd fit_derivative(const MatrixXd& A, const MatrixXd& dA, const VectorXd& c
 /// The model and its modes at one point of the parameter space. The last group has only the use to end the others.
 struct ModalResidual::Solution {
   LinearModel model;
-  ShiftedStiffness shifted;
+  StiffnessFactor shifted;
   LowestModes modes;
   std::vector<ModeGroup> groups;
   Index end = 0;       ///< modes that may be paired come before
@@ -206,7 +206,7 @@ ModalResidual::ModalResidual(std::shared_ptr<const ParameterisedModel> model, st
 /// The last group may be cut by the number of computed modes, so it is not offered for pairing where more modes follow.
 ModalResidual::Solution ModalResidual::solve(const VectorXd& parameters) const {
   LinearModel model = model_->at(parameters).model;
-  ShiftedStiffness shifted = factor_stiffness(model.stiffness, model.mass, model.dofs);
+  StiffnessFactor shifted = factor_stiffness(model.stiffness, model.mass, model.dofs);
   LowestModes modes = lowest_modes(model.stiffness, model.mass, shifted, {.count = count_});
   auto groups = group_modes(modes.values, options_.repeated);
   const Index end = modes.next && !groups.empty() ? groups.back().first : modes.values.size();

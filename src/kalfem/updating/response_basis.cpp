@@ -127,7 +127,7 @@ VectorXd ResponseBasis::circular_frequencies() const {
 ResponseBasis response_basis(const LinearModel& model, const MatrixXd& places, double highest,
                              const ResponseBasisOptions& options) {
   const SparseMatrix& mass = model.mass;
-  const ShiftedStiffness shifted = factor_stiffness(model.stiffness, mass);
+  const StiffnessFactor shifted = factor_stiffness(model.stiffness, mass);
   const double limit = 2.0 * std::numbers::pi * highest;
   const bool exact = mass.rows() <= options.exact_up_to;
   const double below = exact ? std::numeric_limits<double>::max() : std::pow(options.multiple * limit, 2);

@@ -57,8 +57,8 @@ constexpr double relative_shift = 1e-12;
 constexpr double strainless = 3e-14;  ///< Rayleigh quotient of the scaled stiffness
 
 /// D^-1/2 K D^-1/2; rows without stiffness get a 1 on the diagonal and so stay out of the null space.
-SparseMatrix scaled_stiffness(const SparseMatrix& stiffness, const Eigen::VectorXd& scale,
-                              const Eigen::VectorXd& diagonal) {
+SparseMatrix with_unit_diagonal(const SparseMatrix& stiffness, const Eigen::VectorXd& scale,
+                                const Eigen::VectorXd& diagonal) {
   SparseMatrix scaled = scale.asDiagonal() * stiffness * scale.asDiagonal();
   SparseMatrix ones(diagonal.size(), diagonal.size());
   ones.reserve(Eigen::VectorXi::Ones(diagonal.size()));
@@ -120,24 +120,41 @@ std::vector<Eigen::Index> leading_rows(const Eigen::MatrixXd& columns) {
   return {order.data(), order.data() + columns.cols()};
 }
 
+/// K with a unit diagonal, and the rigid-body motions in its coordinates. Degrees of freedom without stiffness stay
+/// apart, with a one on the diagonal.
+struct ScaledStiffness {
+  Eigen::VectorXd root;               ///< square roots of the diagonal of K, 1 where that is 0
+  SparseMatrix matrix;                ///< D^-1/2 K D^-1/2
+  Eigen::MatrixXd rigid;              ///< D^1/2 R, n x 6
+  std::vector<Eigen::Index> without;  ///< degrees of freedom without stiffness
+};
+
+ScaledStiffness scaled_stiffness(const SparseMatrix& stiffness, const FiniteElementModel& model,
+                                 const AssembledModel& assembled) {
+  const Eigen::VectorXd diagonal = stiffness.diagonal();
+  ScaledStiffness scaled;
+  scaled.root = (diagonal.array() > 0.0).select(diagonal.cwiseSqrt(), 1.0);
+  scaled.matrix = with_unit_diagonal(stiffness, scaled.root.cwiseInverse(), diagonal);
+  scaled.rigid = scaled.root.asDiagonal() * rigid_body_modes(model, assembled);
+  for (Eigen::Index i = 0; i < diagonal.size(); ++i)
+    if (!(diagonal[i] > 0.0)) {
+      scaled.without.push_back(i);
+      scaled.rigid.row(i).setZero();
+    }
+  return scaled;
+}
+
 }  // namespace
 
 std::vector<std::string> find_mechanisms(const FiniteElementModel& model, const AssembledModel& assembled) {
   if (assembled.size() == 0) return {};
-  const SparseMatrix stiffness = evaluate(assembled.stiffness, assembled.parameters);
-  const Eigen::VectorXd diagonal = stiffness.diagonal();
-  const Eigen::VectorXd root = (diagonal.array() > 0.0).select(diagonal.cwiseSqrt(), 1.0);
-  const SparseMatrix scaled = scaled_stiffness(stiffness, root.cwiseInverse(), diagonal);
-  Eigen::MatrixXd rigid = root.asDiagonal() * rigid_body_modes(model, assembled);
-  std::vector<Eigen::Index> rows;
-  for (Eigen::Index i = 0; i < diagonal.size(); ++i)
-    if (!(diagonal[i] > 0.0)) {
-      rows.push_back(i);
-      rigid.row(i).setZero();
-    }
+  const ScaledStiffness scaled =
+      scaled_stiffness(evaluate(assembled.stiffness, assembled.parameters), model, assembled);
+  std::vector<Eigen::Index> rows = scaled.without;
   try {
-    const auto space = null_space(scaled);
-    for (const auto row : leading_rows(beside(space, free_rigid_motions(scaled, rigid)))) rows.push_back(row);
+    const auto space = null_space(scaled.matrix);
+    for (const auto row : leading_rows(beside(space, free_rigid_motions(scaled.matrix, scaled.rigid))))
+      rows.push_back(row);
   } catch (const NotPositiveDefinite& error) {
     throw InvalidInput("the stiffness matrix is indefinite or almost singular at or before " +
                            dof_name(model.mesh, assembled.dofs[static_cast<std::size_t>(error.column())]),
@@ -147,6 +164,17 @@ std::vector<std::string> find_mechanisms(const FiniteElementModel& model, const 
   std::vector<std::string> names;
   for (const auto row : rows) names.push_back(dof_name(model.mesh, assembled.dofs[static_cast<std::size_t>(row)]));
   return names;
+}
+
+std::optional<StiffnessFactor> factor_held(const FiniteElementModel& model, const AssembledModel& assembled) {
+  const SparseMatrix stiffness = evaluate(assembled.stiffness, assembled.parameters);
+  Eigen::MatrixXd motions;
+  {
+    const ScaledStiffness scaled = scaled_stiffness(stiffness, model, assembled);
+    if (!scaled.without.empty()) return {};
+    motions = scaled.root.cwiseInverse().asDiagonal() * free_rigid_motions(scaled.matrix, scaled.rigid);
+  }
+  return factor_held(stiffness, evaluate(assembled.mass, assembled.parameters), motions);
 }
 
 }  // namespace kalfem

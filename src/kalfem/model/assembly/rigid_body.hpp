@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+
+#include "kalfem/linalg/stiffness_factor.hpp"
 #include "kalfem/model/assembly/assembly.hpp"
 
 namespace kalfem {
@@ -33,5 +36,9 @@ Eigen::MatrixXd rigid_body_modes(const FiniteElementModel& model, const Assemble
 /// what is left are chosen by a pivoted QR factorisation. Degrees of freedom without any stiffness are named at once.
 /// At most about 250 are found beside those. Throws InvalidInput where the stiffness is indefinite.
 std::vector<std::string> find_mechanisms(const FiniteElementModel& model, const AssembledModel& assembled);
+
+/// The factor of K, held against the rigid-body motions of the whole that strain nothing. Where there is one, the model
+/// is no mechanism; where there is none, find_mechanisms() tells.
+std::optional<StiffnessFactor> factor_held(const FiniteElementModel& model, const AssembledModel& assembled);
 
 }  // namespace kalfem

@@ -1,0 +1,89 @@
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "console.hpp"
+#include "kalfem/base/atomic_file.hpp"
+#include "kalfem/base/output_folder.hpp"
+#include "kalfem/report/sweep_report.hpp"
+#include "kalfem/report/tables.hpp"
+#include "verbs.hpp"
+
+namespace kalfem::command {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The parts of a text between commas that stand outside brackets and quotes.
+std::vector<std::string> split_at_commas(const std::string& text) {
+  std::vector<std::string> parts(1);
+  int depth = 0;
+  char quote = 0;
+  for (const char c : text) {
+    if (quote != 0)
+      quote = c == quote ? 0 : quote;
+    else if (c == '"' || c == '\'')
+      quote = c;
+    else if (c == '[' || c == '{')
+      ++depth;
+    else if (c == ']' || c == '}')
+      --depth;
+    if (c == ',' && depth == 0 && quote == 0)
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  }
+  return parts;
+}
+
+std::vector<SweepAxis> axes_of(const std::vector<std::string>& texts) {
+  std::vector<SweepAxis> axes;
+  IssueList issues;
+  for (const auto& text : texts) {
+    const auto equals = text.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
+      issues.add({}, "--grid " + text + ": it is no KEY=VALUE,VALUE,...", "",
+                 "write for example --grid estimate.process_noise.acceleration=0.001,0.01,0.1");
+    else
+      axes.push_back({text.substr(0, equals), split_at_commas(text.substr(equals + 1))});
+  }
+  issues.raise();
+  return axes;
+}
+
+fs::path folder_of(const SweepArguments& arguments) {
+  return arguments.folder.empty() ? fs::path(arguments.case_file).replace_extension(".kalfem-sweep")
+                                  : fs::path(arguments.folder);
+}
+
+}  // namespace
+
+ExitCode sweep(const SweepArguments& arguments) {
+  const FolderLock lock(folder_of(arguments));
+  const fs::path folder = folder_of(arguments);
+  for (const char* name : {"runs.jsonl", "sweep.csv", "sweep.h5"}) require_writable(folder / name);
+  Sweep sweep({arguments.case_file, changes_of(arguments.changes), axes_of(arguments.grid), arguments.seeds});
+  SweepLog log(folder / "runs.jsonl", sweep);
+  if (!log.known().empty())
+    print("{} of {} runs are known from {}\n", log.known().size(), sweep.plan().size(),
+          (folder / "runs.jsonl").string());
+  const auto runs = sweep.run({.threads = arguments.threads,
+                               .known = log.known(),
+                               .on_run = [&](const SweepRun& run) { log.add(run); },
+                               .progress = progress_bar(true)});
+  log.finish(runs);
+  const auto finished = finished_runs(runs);
+  write_file_atomically(folder / "sweep.csv", sweep_csv(sweep.plan(), finished));
+  write_sweep_arrays(folder / "sweep.h5", sweep.plan(), finished);
+  for (const auto& table : sweep_tables(sweep.plan(), finished)) print_report(table.title + "\n" + to_text(table) + "\n");
+  print("Results in {}: runs.jsonl, sweep.csv, sweep.h5\n", folder.string());
+  std::string told;
+  for (const auto& run : runs)
+    if (!run.refused.empty() && run.refused != std::exchange(told, run.refused))
+      print_error("run {}: {}\n", run.number + 1, run.refused);
+  const bool usable =
+      std::ranges::any_of(finished, [](const auto& run) { return run.found && run.found->usable; });
+  return usable ? done : not_usable;
+}
+
+}  // namespace kalfem::command
