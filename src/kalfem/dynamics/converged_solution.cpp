@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <map>
 #include <vector>
 
-#include "kalfem/base/interruption.hpp"
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/base/worker_pool.hpp"
+#include "kalfem/base/parallel.hpp"
 #include "kalfem/records/record.hpp"
 
 namespace kalfem {
@@ -123,23 +121,15 @@ public:
     return 1.0 / (convergence_.sample_rate * static_cast<double>(substeps));
   }
 
-  /// Those with `first`, 2 `first` and 4 `first` steps a sample, the last in a thread of its own.
-  void make_ahead(Index first) {
-    const std::vector<Index> shares[] = {{4 * first}, {first, 2 * first}};
-    for (const auto& share : shares)
-      for (const Index substeps : share) ahead_[substeps];
-    std::exception_ptr thrown[2];
-    WorkerPool(2).run(2, [&, asked = StopScope::question()](int thread) {
-      const StopScope scope(asked);
-      try {
-        for (const Index substeps : shares[thread])
-          ahead_.at(substeps) = simulated(substeps, thread == 0 ? progress_of(substeps) : Progress{});
-      } catch (...) {
-        thrown[thread] = std::current_exception();
-      }
+  /// Those with `first` and 2 `first` steps a sample side by side: whether a finer one is needed they tell together.
+  void make_two(Index first) {
+    SimulationResult made[2];
+    for_each_index(2, 2, [&](std::size_t i) {
+      const Index substeps = i == 0 ? 2 * first : first;
+      made[i] = simulated(substeps, i == 0 ? progress_of(substeps) : Progress{});
     });
-    for (const auto& each : thrown)
-      if (each) std::rethrow_exception(each);
+    ahead_[2 * first] = std::move(made[0]);
+    ahead_[first] = std::move(made[1]);
   }
 
   SimulationResult take(Index substeps) {
@@ -206,9 +196,9 @@ ConvergedSolution simulate_converged(const LocallyNonlinearSystem& system, const
   Movement moved;
   simulation.every_step = sensors;
   const bool ahead = options.refine && options.threads > 1 && !simulation.snapshot && sensors.size() > 0 &&
-                     4 * options.first_substeps <= options.max_substeps;
+                     2 * options.first_substeps <= options.max_substeps;
   Simulations simulations(system, signals, initial, std::move(simulation), options);
-  if (ahead) simulations.make_ahead(options.first_substeps);
+  if (ahead) simulations.make_two(options.first_substeps);
   for (Index substeps = options.first_substeps; substeps <= options.max_substeps; substeps *= 2) {
     reference = {.simulation = simulations.take(substeps), .substeps = substeps, .last_change = 1.0};
     if (reference.simulation.failure) {
