@@ -19,8 +19,8 @@ struct ConvergenceOptions {
   /// Whether the step is halved at all. Without, the solution with `first_substeps` is the reference, whatever its
   /// error.
   bool refine = true;
-  /// With two, the first three solutions are made side by side, the finest of them by one thread (not where snapshots
-  /// are taken). Results do not depend on it; what is not needed in the end has cost nothing but the other's time.
+  /// With two, the first two solutions are made side by side (not where snapshots are taken). Results do not depend on
+  /// it.
   int threads = 1;
 };
 
