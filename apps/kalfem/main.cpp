@@ -101,7 +101,8 @@ command::ExitCode execute(const CLI::App& app, Arguments& arguments) {
                                    {"update", Step::update},
                                    {"infer", Step::infer},
                                    {"place", Step::place},
-                                   {"static", Step::statics}})
+                                   {"static", Step::statics},
+                                   {"frf", Step::frequency_response}})
     if (app.got_subcommand(verb)) return command::run(arguments.run, step);
   return command::run(arguments.run, Step::everything);
 }
@@ -169,6 +170,7 @@ void add_verbs(CLI::App& app, Arguments& arguments) {
   add_run_verb(app, "infer", "what the data tell of the unknowns: posterior, evidence, which law", arguments);
   add_run_verb(app, "place", "where to put sensors", arguments);
   add_run_verb(app, "static", "displacements, reactions and stresses under static loads", arguments);
+  add_run_verb(app, "frf", "frequency responses of the structure, linear about rest", arguments);
   auto* check = app.add_subcommand("check", "validate and explain a case file or a deck without running it");
   check->add_option("case", arguments.case_file, "case file (YAML) or deck (.inp, .bdf, .dat, .nas)")->required();
   add_changes(*check, arguments);
