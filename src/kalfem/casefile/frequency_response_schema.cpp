@@ -99,6 +99,21 @@ Schema<ResponseOutput> output() {
       });
 }
 
+/// Each response is computed and written once.
+std::vector<Issue> check_doubled(const FrequencyResponses& given) {
+  std::vector<Issue> issues;
+  const auto refuse_second = [&](const auto& values, const std::string& what, const auto& key_of) {
+    for (auto each = values.begin(); each != values.end(); ++each)
+      if (std::ranges::find(values.begin(), each, key_of(*each), key_of) != each)
+        issues.push_back(
+            {{}, "the " + what + " '" + key_of(*each).second + "' stands twice", "", "remove one of them"});
+  };
+  refuse_second(given.inputs, "input", [](const Name& input) { return std::pair(0, input.value); });
+  refuse_second(given.outputs, "output",
+                [](const ResponseOutput& output) { return std::pair(output.quantity, output.point.value); });
+  return issues;
+}
+
 }  // namespace
 
 Schema<FrequencyResponses> frequency_responses() {
@@ -125,7 +140,8 @@ Schema<FrequencyResponses> frequency_responses() {
                     "how the equations are solved")
           .optional("substructure", &FrequencyResponses::substructure, name(),
                     "this substructure alone, without connectors; default: the whole structure, its connectors linear "
-                    "about rest"));
+                    "about rest")
+          .check(check_doubled));
 }
 
 }  // namespace kalfem::description
