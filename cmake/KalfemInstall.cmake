@@ -51,4 +51,5 @@ configure_package_config_file(cmake/kalfemConfig.cmake.in kalfemConfig.cmake INS
 write_basic_package_version_file(kalfemConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/kalfemConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/kalfemConfigVersion.cmake
               cmake/FindCHOLMOD.cmake cmake/FindHDF5Library.cmake cmake/FindMatio.cmake cmake/FindSndFile.cmake
+              cmake/FindUMFPACK.cmake
         DESTINATION ${package_folder} COMPONENT core)

@@ -106,7 +106,8 @@ command::ExitCode execute(const CLI::App& app, Arguments& arguments) {
                                    {"update", Step::update},
                                    {"infer", Step::infer},
                                    {"place", Step::place},
-                                   {"static", Step::statics}})
+                                   {"static", Step::statics},
+                                   {"frf", Step::frequency_response}})
     if (app.got_subcommand(verb)) return command::run(arguments.run, step);
   return command::run(arguments.run, Step::everything);
 }
@@ -185,6 +186,7 @@ void add_verbs(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(1, 4096));
   sweep->add_option("--out", arguments.sweep.folder, "folder for the results; default: <case>.kalfem-sweep");
   add_changes(*sweep, arguments);
+  add_run_verb(app, "frf", "frequency responses of the structure, linear about rest", arguments);
   auto* check = app.add_subcommand("check", "validate and explain a case file or a deck without running it");
   check->add_option("case", arguments.case_file, "case file (YAML) or deck (.inp, .bdf, .dat, .nas)")->required();
   add_changes(*check, arguments);

@@ -24,11 +24,11 @@ fs::path output_folder(const std::string& case_file, const std::string& asked) {
 
 /// A verb that asks for one step needs its section.
 void require_section(const Study& study, Step asked) {
-  const auto require = [&](bool present, const char* section) {
+  const auto require = [&](bool present, const std::string& section, const std::string& verb = {}) {
     if (!present)
       throw InvalidInput(Issue{{study.file, 1},
-                               "the case has no `" + std::string(section) + "`",
-                               "`kalfem " + std::string(section) + "`",
+                               "the case has no `" + section + "`",
+                               "`kalfem " + (verb.empty() ? section : verb) + "`",
                                "add the section or use another verb"});
   };
   if (asked == Step::simulate) require(study.simulation.has_value(), "simulate");
@@ -38,6 +38,7 @@ void require_section(const Study& study, Step asked) {
   if (asked == Step::infer) require(study.inference.has_value(), "infer");
   if (asked == Step::place) require(study.placement.has_value(), "place");
   if (asked == Step::statics) require(study.statics.has_value(), "static");
+  if (asked == Step::frequency_response) require(study.frequency_response.has_value(), "frequency_response", "frf");
 }
 
 /// Every reason for the verdict, worst first.

@@ -412,6 +412,13 @@ static:
       gravity: [0 m/s^2, 0 m/s^2, -9.81 m/s^2]
     lift: {displacements: {f.z: 1 mm}}
   points: [f, m]
+frequency_response:
+  frequencies: {from: 1 Hz, to: 50 Hz, lines: 5, spacing: linear}
+  inputs: [plate.f.z]
+  outputs: [{displacement: plate.f.z}, {velocity: plate.m.z}, {acceleration: plate.m.x}]
+  model: both
+  method: modal
+  substructure: plate
 )";
 
 const std::string sections = R"(kalfem: 1

@@ -48,5 +48,6 @@ KeyChecks inference_keys();
 KeyChecks report_keys();
 KeyChecks placement_keys();
 KeyChecks static_keys();
+KeyChecks frequency_response_keys();
 
 }  // namespace kalfem::wiring

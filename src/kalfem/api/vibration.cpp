@@ -7,6 +7,7 @@
 
 #include "kalfem/api/structure_description.hpp"
 #include "kalfem/base/units.hpp"
+#include "kalfem/model/fixed_model.hpp"
 #include "kalfem/system/linearised.hpp"
 #include "kalfem/updating/frf_model.hpp"
 
@@ -43,17 +44,6 @@ StructureModes modes_of(const LinearModel& model, Index count) {
   }
   return found;
 }
-
-/// One model whatever the parameters, of which it has none.
-class FixedModel final : public ParameterisedModel {
-public:
-  explicit FixedModel(LinearModel model) : model_(std::move(model)) {}
-  [[nodiscard]] ModelAtParameters at(const VectorXd&) const override { return {model_, {}}; }
-  [[nodiscard]] std::vector<ModelDerivative> derivatives(const VectorXd&) const override { return {}; }
-
-private:
-  LinearModel model_;
-};
 
 CoupledModel coupled(const Structure& structure) {
   const auto model = make_structure_model(structure.description());

@@ -352,6 +352,8 @@ Schema<Case> case_schema() {
           .optional("place", &Case::place, located(placement()), "where to put sensors (`kalfem place`)")
           .optional("static", &Case::statics, located(statics()),
                     "static load cases of a finite-element substructure (`kalfem static`)")
+          .optional("frequency_response", &Case::frequency_response, located(frequency_responses()),
+                    "frequency responses of the structure, linear about rest (`kalfem frf`)")
           .optional("report", &Case::report, mapping(report), "contents of the report"));
   const auto read = [=](const CaseNode& node, Case& given) {
     const bool is_usable = all.read(node, given);

@@ -21,5 +21,6 @@ Schema<Modification> modification();
 Schema<Inference> inference();
 Schema<Placement> placement();
 Schema<Statics> statics();
+Schema<FrequencyResponses> frequency_responses();
 
 }  // namespace kalfem::description

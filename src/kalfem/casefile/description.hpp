@@ -9,6 +9,7 @@
 
 #include "kalfem/casefile/connector_description.hpp"
 #include "kalfem/casefile/finite_element_description.hpp"
+#include "kalfem/casefile/frequency_response_description.hpp"
 #include "kalfem/casefile/inference_description.hpp"
 #include "kalfem/casefile/static_description.hpp"
 #include "kalfem/casefile/update_description.hpp"
@@ -239,6 +240,7 @@ struct Case {
   std::optional<Located<Inference>> infer;
   std::optional<Located<Placement>> place;
   std::optional<Located<Statics>> statics;
+  std::optional<Located<FrequencyResponses>> frequency_response;
   Report report;
   CaseSource source;  ///< places of its keys
 };

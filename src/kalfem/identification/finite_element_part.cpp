@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/identification/response_reduction.hpp"
 #include "kalfem/linalg/sparse_factor.hpp"
 #include "kalfem/model/assembly/rigid_body.hpp"
 #include "kalfem/model/mesh/connectivity.hpp"
@@ -43,6 +45,13 @@ Superelement reduce_by(ReductionMethod method, const LinearModel& full, const st
       break;
   }
   return craig_bampton(full, boundary, options);
+}
+
+/// Without a limit of its own: modes up to three times the bandwidth [Hz].
+ModeSelection modes_for(const ReductionRequest& request, double bandwidth) {
+  ModeSelection modes = request.modes;
+  if (!modes.count && !modes.cutoff && !modes.effective_mass) modes.cutoff = 3.0 * bandwidth;
+  return modes;
 }
 
 void require_no_mechanism(const FiniteElementModel& elements, const AssembledModel& assembled) {
@@ -97,11 +106,23 @@ void assemble_part(FiniteElementPart& part, const AssemblyOptions& options) {
 }
 
 Superelement reduce(const FiniteElementPart& part, const ReductionRequest& request, double sensor_bandwidth) {
-  ReductionOptions options{
-      .modes = request.modes, .augmentation_vectors = request.augmentation_vectors, .whole = part.factor};
-  if (!options.modes.count && !options.modes.cutoff && !options.modes.effective_mass)
-    options.modes.cutoff = 3.0 * (std::isfinite(sensor_bandwidth) ? sensor_bandwidth : default_bandwidth);
-  return with_scale(part, reduce_by(request.method, part.full, part.boundary, options));
+  const double bandwidth = std::isfinite(sensor_bandwidth) ? sensor_bandwidth : default_bandwidth;
+  return with_scale(part, reduce_by(request.method, part.full, part.boundary,
+                                    {.modes = modes_for(request, bandwidth),
+                                     .augmentation_vectors = request.augmentation_vectors,
+                                     .whole = part.factor}));
+}
+
+Superelement reduce_for_responses(const FiniteElementPart& part, const ReductionRequest& request,
+                                  const std::vector<std::string>& loaded, double highest) {
+  std::vector<std::string> boundary = part.boundary;
+  std::ranges::copy_if(loaded, std::back_inserter(boundary), [&](const std::string& dof) {
+    return std::ranges::find(part.boundary, dof) == part.boundary.end();
+  });
+  return with_scale(part, reduce_by(request.method, part.full, boundary,
+                                    {.modes = modes_for(request, highest),
+                                     .augmentation_vectors = request.augmentation_vectors,
+                                     .error_indicators = false}));
 }
 
 Superelement reduce_again(const FiniteElementPart& part, const LinearModel& full, const ReductionRequest& request,

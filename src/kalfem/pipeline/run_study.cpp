@@ -8,6 +8,7 @@
 #include "kalfem/identification/augmented_model_setup.hpp"
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"
+#include "kalfem/pipeline/run_frequency_response.hpp"
 #include "kalfem/pipeline/run_identified_case.hpp"
 #include "kalfem/pipeline/run_inference.hpp"
 #include "kalfem/pipeline/run_placement.hpp"
@@ -136,7 +137,7 @@ namespace {
 bool takes(Step step, Step last) {
   if (last == Step::everything) return true;
   if (last == Step::infer) return step == Step::simulate || step == Step::estimate || step == Step::infer;
-  if (last == Step::place || last == Step::statics) return step == last;
+  if (last == Step::place || last == Step::statics || last == Step::frequency_response) return step == last;
   return step <= last;
 }
 
@@ -148,6 +149,7 @@ std::vector<PlannedStep> plan_of(const Study& study, Step last) {
   const auto add = [&](bool taken, const char* name, double share) {
     if (taken) plan.push_back({name, share});
   };
+  add(takes(Step::frequency_response, last) && study.frequency_response, "frequency responses", 3.0);
   add(takes(Step::simulate, last) && study.simulation, "simulate", 4.0);
   add(updates, "update", 6.0);
   add(estimates, "estimate", 3.0);
@@ -167,8 +169,12 @@ void take_steps(const Study& study, Step last, const RunOptions& options, StudyR
     return own;
   };
   const bool updates = takes(Step::update, last) && study.updating;
-  results.modes = substructure_modes(study, last == Step::statics ? 0 : study.report.modes);
+  const bool without_modes = last == Step::statics || last == Step::frequency_response;
+  results.modes = substructure_modes(study, without_modes ? 0 : study.report.modes);
   if (takes(Step::statics, last) && study.statics) results.statics = run_statics(*study.statics, results.warnings);
+  if (takes(Step::frequency_response, last) && study.frequency_response)
+    results.frequency_response =
+        run_frequency_response(*study.frequency_response, job.begin("frequency responses"), results.warnings);
   if (takes(Step::simulate, last) && study.simulation) take_simulation(study, options, job.begin("simulate"), results);
   std::optional<Updated> updated;
   if (results.complete() && updates) {

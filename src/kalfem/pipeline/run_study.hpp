@@ -10,6 +10,7 @@
 #include "kalfem/dynamics/converged_solution.hpp"
 #include "kalfem/identification/frequency_course.hpp"
 #include "kalfem/identification/record_estimate.hpp"
+#include "kalfem/pipeline/frequency_response_outcome.hpp"
 #include "kalfem/pipeline/inference_outcome.hpp"
 #include "kalfem/pipeline/placement_outcome.hpp"
 #include "kalfem/pipeline/statics_outcome.hpp"
@@ -157,6 +158,7 @@ struct StudyResults {
   std::optional<InferenceOutcome> inference;
   std::optional<PlacementOutcome> placement;
   std::optional<StaticsOutcome> statics;
+  std::optional<FrequencyResponseOutcome> frequency_response;
   std::vector<std::string> warnings;  ///< about the results, in addition to those of the study
   Verdict verdict;
   std::optional<IdentifiedCase> identified;  ///< of a usable run with an estimation or an updating
@@ -173,7 +175,7 @@ struct StudyResults {
 };
 
 /// What a run ends with: the step that a verb of the command names, with all that it needs; or everything.
-enum class Step { modes, simulate, estimate, predict, update, infer, place, statics, everything };
+enum class Step { modes, simulate, estimate, predict, update, infer, place, statics, frequency_response, everything };
 
 struct RunOptions {
   Progress progress = {};             ///< of the whole run: "simulate (1 of 3): reference 3 of at most 7"

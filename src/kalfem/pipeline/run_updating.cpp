@@ -172,29 +172,6 @@ LastResidual search_by_evolution(const Study& study, const ResidualSum& residual
   return outcome.polished->residual;
 }
 
-/// " per force at 1"
-std::string per_input(const FrfSet& set) {
-  return (set.input == FrfInput::force ? " per force at " : " per motion of ") + set.place;
-}
-
-/// "(m/s^2)/N"
-std::string unit_of(const FrfSet& set) {
-  const std::string output = set.quantity == ResponseQuantity::displacement ? "m"
-                             : set.quantity == ResponseQuantity::velocity   ? "m/s"
-                                                                            : "m/s^2";
-  const std::string input = set.input == FrfInput::force                 ? "N"
-                            : set.input == FrfInput::ground_displacement ? "m"
-                                                                         : "m/s^2";
-  const auto in_brackets = [](const std::string& unit) { return unit.size() > 1 ? "(" + unit + ")" : unit; };
-  return in_brackets(output) + "/" + in_brackets(input);
-}
-
-std::string name_of(ResponseQuantity quantity) {
-  return quantity == ResponseQuantity::displacement ? "displacement"
-         : quantity == ResponseQuantity::velocity   ? "velocity"
-                                                    : "acceleration";
-}
-
 std::vector<FrfCurve> curves(const FrfResidual& residual, const VectorXd& start, const VectorXd& end) {
   std::vector<FrfCurve> all;
   const auto before = residual.model_responses(start), after = residual.model_responses(end);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "kalfem/report/frequency_response_report.hpp"
 #include "kalfem/report/identified_parameters.hpp"
 #include "kalfem/report/inference_tables.hpp"
 #include "kalfem/report/placement_report.hpp"
@@ -119,6 +120,8 @@ std::string answer(const Study& study, const StudyResults& results) {
     say(placement_answer(*results.placement));
   else if (!results.simulation && results.statics)
     say(statics_answer(*results.statics));
+  else if (!results.simulation && results.frequency_response)
+    say(frequency_response_answer(*results.frequency_response));
   else if (!results.updating)
     say(results.simulation ? "The simulation is complete." : "Modes computed.");
   if (results.estimation && results.inference) say(law_words(*results.inference));

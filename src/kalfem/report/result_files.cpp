@@ -258,6 +258,18 @@ void write_dataset(Hdf5File& file, const ResultSeries& series) {
     file.set_axes(series.path, {*time});
 }
 
+/// H by input, output and quantity: magnitude and phase of each model.
+void write_frequency_response(SeriesWriter& file, const FrequencyResponseOutcome& outcome) {
+  file.write_column("/frequency_response/frequency", outcome.frequencies, "Hz");
+  for (const auto& response : outcome.responses)
+    for (const auto& [name, values] : {std::pair{"full", &response.full}, {"reduced", &response.reduced}}) {
+      const std::string path =
+          "/frequency_response/" + response.input + "/" + response.output + "/" + response.quantity + "/" + name;
+      file.write_column(path, values->cwiseAbs(), response.unit);
+      file.write_column(path + "_phase", values->cwiseArg(), "rad");
+    }
+}
+
 }  // namespace
 
 void visit_results(const Study& study, const StudyResults& results, const SeriesVisitor& visit) {
@@ -265,6 +277,7 @@ void visit_results(const Study& study, const StudyResults& results, const Series
   if (results.updating) write_updating(file, study, *results.updating);
   if (results.validation) write_validation(file, results.validation->held_back);
   if (results.inference) write_inference(file, *results.inference);
+  if (results.frequency_response) write_frequency_response(file, *results.frequency_response);
   const Record* record = measured_of(results);
   if (!record) return;
   const Eigen::Index samples =
@@ -283,7 +296,7 @@ void visit_results(const Study& study, const StudyResults& results, const Series
 }
 
 void write_results(const std::string& path, const Study& study, const StudyResults& results, const std::string& run) {
-  if (!measured_of(results) && !results.updating && !results.inference) return;
+  if (!measured_of(results) && !results.updating && !results.inference && !results.frequency_response) return;
   Hdf5File file = Hdf5File::create(path);
   file.set_attribute("/", "kalfem", version);
   file.set_attribute("/", "run", run);

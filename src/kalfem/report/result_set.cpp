@@ -20,6 +20,7 @@
 #include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/pipeline/simulation_checkpoint.hpp"
 #include "kalfem/pipeline/updating_checkpoint.hpp"
+#include "kalfem/report/frequency_response_report.hpp"
 #include "kalfem/report/nodal_translations.hpp"
 #include "kalfem/report/statics_report.hpp"
 
@@ -63,12 +64,13 @@ constexpr std::array main_files{"report.html", "summary.json", "results.h5", "ca
 
 bool is_main_file(const std::string& name) { return std::ranges::find(main_files, name) != main_files.end(); }
 
-/// Whether a run may have written a file of that name for one of its substructures. Guards what is removed: a summary
+/// Whether a run may have written a file of that name beside the main ones. Guards what is removed: a summary
 /// may come from anywhere.
-bool is_of_substructure(const std::string& name) {
+bool may_be_written(const std::string& name) {
   static const std::regex pattern(
       "[A-Za-z0-9_-]+(_(modes|static)[.]vtu|_reduced(_[KMC])?[.](mtx|dmig|op4|h5|dof)|"
-      "_(simulated|estimated)([.]pvd|/[0-9]+[.]vtu))");
+      "_(simulated|estimated)([.]pvd|/[0-9]+[.]vtu))|"
+      "frf_(full|reduced)_(displacement|velocity|acceleration)_[A-Za-z0-9_.-]+[.]csv");
   constexpr std::size_t longest = 200;  // longer than any; regular expressions are recursive
   return name.size() <= longest && std::regex_match(name, pattern);
 }
@@ -88,9 +90,8 @@ Names unlisted_files(const fs::path& folder, const Json& summary) {
   std::error_code error;
   for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().lexically_relative(folder).string();
-    const bool known = std::ranges::any_of(parts.items(), [&](const auto& part) {
-      return name.starts_with(part.key() + "_") && is_of_substructure(name);
-    });
+    const bool known = std::ranges::any_of(
+        parts.items(), [&](const auto& part) { return name.starts_with(part.key() + "_") && may_be_written(name); });
     if (known) names.push_back(name);
   }
   return names;
@@ -103,7 +104,7 @@ Names former_files(const fs::path& folder) {
   if (!summary) return names;
   if (const auto list = summary->find("files"); list != summary->end() && list->is_array()) {
     for (const auto& name : *list)
-      if (name.is_string() && is_of_substructure(name.get<std::string>())) names.push_back(name.get<std::string>());
+      if (name.is_string() && may_be_written(name.get<std::string>())) names.push_back(name.get<std::string>());
     return names;
   }
   const Names unlisted = unlisted_files(folder, *summary);
@@ -134,6 +135,7 @@ ResultSet write_files(const fs::path& staging, const Study& study, const StudyRe
   write_results((staging / "results.h5").string(), study, results, identity);
   write_fields(staging.string(), study, results);
   write_superelements(staging, study);
+  if (results.frequency_response) write_frequency_responses(staging, *results.frequency_response);
   write_file_atomically(staging / "case.resolved.yaml", resolved_case(study, identity));
   if (results.identified)
     write_file_atomically(staging / "case.identified.yaml", identified_case(*results.identified, identity));

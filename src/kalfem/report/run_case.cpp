@@ -54,12 +54,12 @@ CaseResult values_of(const Study& study, const StudyResults& results) {
 }
 
 Step step_named(const std::string& name) {
-  const std::vector<std::string> names{"modes", "simulate", "estimate", "predict",   "update",
-                                       "infer", "place",    "static",   "everything"};
+  const std::vector<std::string> names{"modes", "simulate", "estimate", "predict", "update",
+                                       "infer", "place",    "static",   "frf",     "everything"};
   const auto found = std::ranges::find(names, name);
   if (found == names.end())
     throw InvalidInput("last_step: there is no step '" + name + "'" + did_you_mean(name, names), "",
-                       "give modes, simulate, estimate, predict, update, infer, place, static or everything");
+                       "give modes, simulate, estimate, predict, update, infer, place, static, frf or everything");
   return static_cast<Step>(found - names.begin());
 }
 

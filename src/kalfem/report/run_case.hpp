@@ -42,7 +42,7 @@ struct RunCaseOptions {
   /// Without a value the key is removed. Keys may hold dots: the longest one that the case has counts; an item of a
   /// list is its number from 0, or its `name`.
   std::vector<std::pair<std::string, std::optional<std::string>>> set = {};
-  std::string last_step = "everything";  ///< or modes, simulate, estimate, predict, update, infer, place, static
+  std::string last_step = "everything";  ///< or modes, simulate, estimate, predict, update, infer, place, static, frf
   Progress progress = {};
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "kalfem/report/run_series.hpp"
 #include "kalfem/report/sections.hpp"
@@ -40,6 +41,7 @@ public:
     for (const auto& sensor : owners("/validation", "measured")) add_validation(sensor);
     for (const auto& sensor : owners("/predictive", "measured")) add_predictive(sensor);
     add_responses();
+    add_computed_responses();
     return std::move(figures_);
   }
 
@@ -219,6 +221,13 @@ private:
   }
 
   /// Magnitudes in decibels of the SI unit.
+  std::optional<Series> decibel_curve(const std::string& label, const std::string& path, Role role, std::size_t size) {
+    auto found = curve(label, path, role, size);
+    if (found)
+      for (double& value : found->y) value = 20.0 * std::log10(value);
+    return found;
+  }
+
   void add_responses() {
     const std::string group = "/updating/responses";
     for (const auto& path : series_.below(group)) {
@@ -228,13 +237,29 @@ private:
       chart.x = series_values(series_.read(path).value_or(VectorXd()));
       for (const auto& [name, role] :
            {std::pair{"measured", Role::measured}, {"before", Role::initial}, {"after", Role::estimate}})
-        if (auto found = curve(name, own + name, role, chart.x.size())) {
-          for (double& value : found->y) value = 20.0 * std::log10(value);
+        if (auto found = decibel_curve(name, own + name, role, chart.x.size()))
           chart.series.push_back(std::move(*found));
-        }
       std::string name = own.substr(group.size() + 1, own.size() - group.size() - 2);
       std::ranges::replace(name, '/', '-');
       if (!chart.series.empty()) add("response-" + name, std::move(chart));
+    }
+  }
+
+  /// The same of full and reduced models.
+  void add_computed_responses() {
+    const std::string group = "/frequency_response/";
+    const auto lines = series_values(series_.read(group + "frequency").value_or(VectorXd()));
+    std::set<std::string> responses;
+    for (const auto& path : series_.below(group))
+      if (path.ends_with("/full") || path.ends_with("/reduced")) responses.insert(path.substr(0, path.rfind('/') + 1));
+    for (const auto& own : responses) {
+      Chart chart{.title = "Frequency response", .x_label = "frequency [Hz]", .y_label = "magnitude [dB]", .x = lines};
+      for (const auto& [name, role] : {std::pair{"full", Role::truth}, {"reduced", Role::estimate}})
+        if (auto found = decibel_curve(name, own + name, role, chart.x.size()))
+          chart.series.push_back(std::move(*found));
+      std::string name = own.substr(group.size(), own.size() - group.size() - 1);
+      std::ranges::replace(name, '/', '-');
+      if (!chart.series.empty()) add("frf-" + name, std::move(chart));
     }
   }
 

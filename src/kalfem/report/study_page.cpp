@@ -8,6 +8,7 @@
 #include "kalfem/report/adaptive_noise_report.hpp"
 #include "kalfem/report/answer.hpp"
 #include "kalfem/report/frequency_report.hpp"
+#include "kalfem/report/frequency_response_report.hpp"
 #include "kalfem/report/identified_parameters.hpp"
 #include "kalfem/report/inference_report.hpp"
 #include "kalfem/report/inference_tables.hpp"
@@ -255,6 +256,7 @@ Page make_page(const Study& study, const StudyResults& results) {
                              {modification_table(results.modifications)}});
   if (results.placement) page.sections.push_back(placement_section(study, *results.placement));
   if (results.statics) page.sections.push_back(statics_section(*study.statics, *results.statics));
+  if (results.frequency_response) page.sections.push_back(frequency_response_section(*results.frequency_response));
   if (results.inference) page.sections.push_back(inference_section(*results.inference));
   if (estimated && !measured_first) page.sections.push_back(sensors_section(study, *results.estimation));
   if (results.validation) page.sections.push_back(validation_section(study, *results.validation));

@@ -15,6 +15,7 @@
 #include "kalfem/report/adaptive_noise_report.hpp"
 #include "kalfem/report/data_files.hpp"
 #include "kalfem/report/frequency_report.hpp"
+#include "kalfem/report/frequency_response_report.hpp"
 #include "kalfem/report/inference_report.hpp"
 #include "kalfem/report/placement_report.hpp"
 #include "kalfem/report/process_noise_report.hpp"
@@ -493,6 +494,8 @@ Json summarise(const Study& study, const StudyResults& results) {
   if (results.inference) summary["inference"] = inference_summary(*results.inference);
   if (results.placement) summary["placement"] = placement_summary(*results.placement);
   if (results.statics) summary["statics"] = statics_summary(*study.statics, *results.statics);
+  if (results.frequency_response)
+    summary["frequency_response"] = frequency_response_summary(*results.frequency_response);
   if (results.identified)
     summary["identified"] = {{"file", "case.identified.yaml"}, {"notes", results.identified->notes}};
   for (const auto& [path, bytes, sha256] : data_files(study))

@@ -13,6 +13,7 @@
 #include "kalfem/report/adaptive_noise_report.hpp"
 #include "kalfem/report/display_unit.hpp"
 #include "kalfem/report/frequency_report.hpp"
+#include "kalfem/report/frequency_response_report.hpp"
 #include "kalfem/report/inference_report.hpp"
 #include "kalfem/report/placement_report.hpp"
 #include "kalfem/report/process_noise_report.hpp"
@@ -340,7 +341,9 @@ std::string console_report(const Study& study, const StudyResults& results) {
     text += fmt::format("read, assembled and reduced in {:.1f} s\n\n", study.reduce_seconds);
   if (results.placement) text += console_placement(*results.placement);
   if (results.statics) text += console_statics(*study.statics, *results.statics);
-  if (!results.simulation && !results.estimation && !results.placement && !results.inference && !results.statics)
+  if (results.frequency_response) text += console_frequency_responses(*results.frequency_response);
+  if (!results.simulation && !results.estimation && !results.placement && !results.inference && !results.statics &&
+      !results.frequency_response)
     text += to_text(modes_table(study, results)) + "\n";
   if (results.simulation) {
     const auto& reference = results.simulation->reference;

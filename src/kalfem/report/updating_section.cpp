@@ -2,8 +2,8 @@
 
 #include <cctype>
 #include <cmath>
-#include <numbers>
 
+#include "kalfem/report/frf_charts.hpp"
 #include "kalfem/report/heat_map.hpp"
 #include "kalfem/report/sections.hpp"
 #include "kalfem/report/tables.hpp"
@@ -45,18 +45,6 @@ Chart residual_chart(const UpdatingOutcome& outcome) {
   return chart;
 }
 
-std::vector<double> decibels(const VectorXcd& response) {
-  std::vector<double> values;
-  for (const auto& value : response) values.push_back(20.0 * std::log10(std::abs(value)));
-  return values;
-}
-
-std::vector<double> degrees(const VectorXcd& response) {
-  std::vector<double> values;
-  for (const auto& value : response) values.push_back(std::arg(value) * 180.0 / std::numbers::pi);
-  return values;
-}
-
 /// Frequency response assurance criterion, |H_m^H H_a|^2 / (H_m^H H_m  H_a^H H_a) in [0, 1] [All03].
 double frac(const VectorXcd& measured, const VectorXcd& model) {
   const double sizes = measured.squaredNorm() * model.squaredNorm();
@@ -65,31 +53,28 @@ double frac(const VectorXcd& measured, const VectorXcd& model) {
 
 /// Magnitude, phase and coherence of one response; the latter two where they were measured.
 void add_response_charts(const std::string& comparison, const FrfCurve& curve, std::size_t number, Section& section) {
-  const auto chart = [&](const std::string& part, const std::string& y_label) {
-    return Chart{.id = fmt::format("{}-{}-{}", part, comparison, number),
-                 .title = curve.quantity + " at " + curve.name,
-                 .x_label = "frequency [Hz]",
-                 .y_label = y_label,
-                 .x = series_values(curve.lines),
-                 .half_width = true};
-  };
-  const auto with_curves = [&](Chart own, const auto& value_of) {
-    own.series = {{.label = "measured", .y = value_of(curve.measured), .role = Role::measured},
-                  {.label = "before", .y = value_of(curve.before), .role = Role::initial},
-                  {.label = "after", .y = value_of(curve.after), .role = Role::estimate}};
-    return own;
-  };
-  Chart magnitude = with_curves(chart("frf", fmt::format("magnitude [dB re 1 {}]", curve.unit)), decibels);
+  const FrfChartWords words{.id = fmt::format("{}-{}", comparison, number),
+                            .title = curve.quantity + " at " + curve.name,
+                            .unit = curve.unit};
+  const std::vector<FrfSeries> series{{"measured", curve.measured, Role::measured},
+                                      {"before", curve.before, Role::initial},
+                                      {"after", curve.after, Role::estimate}};
+  Chart magnitude = magnitude_chart(words, curve.lines, series);
   if (!curve.magnitudes_only)
     magnitude.caption = fmt::format("FRAC {:.3f} before, {:.3f} after the updating.",
                                     frac(curve.measured, curve.before), frac(curve.measured, curve.after));
   section.items.emplace_back(std::move(magnitude));
-  if (!curve.magnitudes_only) section.items.emplace_back(with_curves(chart("phase", "phase [°]"), degrees));
+  if (!curve.magnitudes_only) section.items.emplace_back(phase_chart(words, curve.lines, series));
   if (curve.coherence.size() == 0) return;
-  Chart coherence = chart("coherence", "coherence [-]");
-  coherence.y_window = AxisRange{0.0, 1.05};
-  coherence.series = {{.label = "measured", .y = series_values(curve.coherence), .role = Role::measured}};
-  section.items.emplace_back(std::move(coherence));
+  section.items.emplace_back(
+      Chart{.id = "coherence-" + words.id,
+            .title = words.title,
+            .x_label = "frequency [Hz]",
+            .y_label = "coherence [-]",
+            .x = series_values(curve.lines),
+            .series = {{.label = "measured", .y = series_values(curve.coherence), .role = Role::measured}},
+            .y_window = AxisRange{0.0, 1.05},
+            .half_width = true});
 }
 
 /// The MAC of all measured modes with those of the model.

@@ -11,25 +11,27 @@ namespace kalfem {
 
 StudyItem section_with_key(const std::string& key) {
   using enum StudyItem;
-  static constexpr std::array<std::pair<std::string_view, StudyItem>, 19> sections{{{"kalfem", version},
-                                                                                    {"title", title},
-                                                                                    {"substructures", substructures},
-                                                                                    {"connectors", connectors},
-                                                                                    {"component", component},
-                                                                                    {"damping", damping},
-                                                                                    {"excitation", excitation},
-                                                                                    {"sensors", sensors},
-                                                                                    {"simulate", simulate},
-                                                                                    {"record", record},
-                                                                                    {"estimate", estimate},
-                                                                                    {"validate", validate},
-                                                                                    {"predict", predict},
-                                                                                    {"update", update},
-                                                                                    {"modifications", modifications},
-                                                                                    {"infer", infer},
-                                                                                    {"place", place},
-                                                                                    {"static", statics},
-                                                                                    {"report", report}}};
+  static constexpr std::array<std::pair<std::string_view, StudyItem>, 20> sections{
+      {{"kalfem", version},
+       {"title", title},
+       {"substructures", substructures},
+       {"connectors", connectors},
+       {"component", component},
+       {"damping", damping},
+       {"excitation", excitation},
+       {"sensors", sensors},
+       {"simulate", simulate},
+       {"record", record},
+       {"estimate", estimate},
+       {"validate", validate},
+       {"predict", predict},
+       {"update", update},
+       {"modifications", modifications},
+       {"infer", infer},
+       {"place", place},
+       {"static", statics},
+       {"frequency_response", frequency_response},
+       {"report", report}}};
   const auto section = std::ranges::find(sections, key, [](const auto& entry) { return entry.first; });
   return section == sections.end() ? other_keys : section->second;
 }

@@ -31,6 +31,7 @@ enum class StudyItem {
   infer,
   place,
   statics,
+  frequency_response,
   report,
   other_keys,
   // results
@@ -53,7 +54,8 @@ enum class StudyItem {
   validation,
   inference,
   placement,
-  static_analysis
+  static_analysis,
+  responses
 };
 using StudyItems = std::vector<StudyItem>;
 

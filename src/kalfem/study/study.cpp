@@ -109,6 +109,7 @@ public:
     make_validation();
     make_inference();
     make_statics();
+    make_frequency_response();
     raise_in_line_order(steps_.issues());
     add_warnings();
     return std::move(study_);  // without the rest that only the making needs
@@ -206,6 +207,13 @@ private:
   void make_statics() {
     step(static_analysis, {substructures, elements, statics}, {"static"}, [&](IssueList& issues) {
       if (study_.given.statics) study_.statics = make_statics_plan(study_.given, *structure_, issues);
+    });
+  }
+
+  void make_frequency_response() {
+    step(responses, {model, frequency_response}, {"frequency_response"}, [&](IssueList& issues) {
+      if (study_.given.frequency_response)
+        study_.frequency_response = make_frequency_response_plan(study_.given, *structure_, issues);
     });
   }
 

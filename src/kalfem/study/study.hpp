@@ -9,6 +9,7 @@
 #include "kalfem/identification/updating_setup.hpp"
 #include "kalfem/records/record_preparation.hpp"
 #include "kalfem/records/spectrum.hpp"
+#include "kalfem/study/frequency_response_plan.hpp"
 #include "kalfem/study/inference_plan.hpp"
 #include "kalfem/study/placement_plan.hpp"
 #include "kalfem/study/run_plan.hpp"
@@ -50,9 +51,10 @@ struct Study {
   std::optional<ValidationPlan> validation;            ///< if the case has `validate`
   std::optional<PredictionPlan> prediction;            ///< if the case has `predict`
   std::vector<StructuralModification> modifications;
-  std::optional<InferencePlan> inference;  ///< if the case has `infer`
-  std::optional<PlacementPlan> placement;  ///< if the case has `place`
-  std::optional<StaticsPlan> statics;      ///< if the case has `static`
+  std::optional<InferencePlan> inference;                   ///< if the case has `infer`
+  std::optional<PlacementPlan> placement;                   ///< if the case has `place`
+  std::optional<StaticsPlan> statics;                       ///< if the case has `static`
+  std::optional<FrequencyResponsePlan> frequency_response;  ///< if the case has it
   ReportPlan report;
   std::vector<std::string> warnings;  ///< settings that are allowed but are probably a mistake
 

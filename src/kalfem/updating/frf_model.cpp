@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "kalfem/base/invalid_input.hpp"
 
@@ -20,55 +19,6 @@ namespace {
 
 constexpr double difference_step = 1e-4;  ///< of a parameter, for the derivatives of ground loads
 constexpr double no_coupling = 1e-14;     ///< off-diagonal damping against the diagonal's two entries
-
-/// Displacement of a point per degree of freedom; empty where there is none of that name.
-class Points {
-public:
-  explicit Points(const LinearModel& model) : model_(model) {
-    for (std::size_t i = 0; i < model.dofs.size(); ++i) places_[model.dofs[i]] = static_cast<Index>(i);
-  }
-
-  [[nodiscard]] VectorXd vector(const std::string& name, IssueList& issues) const {
-    VectorXd vector = VectorXd::Zero(model_.size());
-    if (const auto point = model_.points.find(name); point != model_.points.end())
-      for (const auto& [dof, coefficient] : point->second) vector[places_.at(dof)] += coefficient;
-    else if (const auto dof = places_.find(name); dof != places_.end())
-      vector[dof->second] = 1.0;
-    else
-      issues.add({}, "there is no point '" + name + "'" + did_you_mean(name, names()),
-                 "an FRF needs degrees of freedom or named points of the model");
-    return vector;
-  }
-
-private:
-  [[nodiscard]] std::vector<std::string> names() const {
-    std::vector<std::string> known;
-    for (const auto& [name, combination] : model_.points) known.push_back(name);
-    if (!model_.points_only) known.insert(known.end(), model_.dofs.begin(), model_.dofs.end());
-    return known;
-  }
-
-  const LinearModel& model_;
-  std::map<std::string, Index> places_;
-};
-
-const GroundCoupling* find_ground(const LinearModel& model, const std::string& name) {
-  const auto found = std::ranges::find(model.grounds, name, &GroundCoupling::ground);
-  return found == model.grounds.end() ? nullptr : &*found;
-}
-
-void check_ground(const LinearModel& model, const std::string& name, IssueList& issues) {
-  std::vector<std::string> known;
-  for (const auto& ground : model.grounds) known.push_back(ground.ground);
-  const GroundCoupling* ground = find_ground(model, name);
-  if (!ground)
-    issues.add({}, "there is no ground '" + name + "'" + did_you_mean(name, known),
-               "a base-excited FRF needs the ground that moves");
-  else if (ground->stiffness.isZero() && ground->damping.isZero())
-    issues.add({}, "nothing is attached to the ground '" + name + "'", "its motion would have no effect");
-}
-
-int order_of(const FrfSet& set) { return int(set.quantity) - (set.input == FrfInput::ground_acceleration ? 2 : 0); }
 
 MatrixXd projected(const MatrixXd& shapes, const SparseMatrix& matrix) {
   if (matrix.nonZeros() == 0) return {};
@@ -162,24 +112,15 @@ FrfModel::FrfModel(std::shared_ptr<const ParameterisedModel> model, std::vector<
                    const VectorXd& parameters, const ResponseBasisOptions& options)
     : model_(std::move(model)), sets_(std::move(sets)), highest_(highest), options_(options) {
   const LinearModel at = model_->at(parameters).model;
-  const Points points(at);
   IssueList issues;
-  for (const auto& set : sets_) {
-    if (set.input == FrfInput::force)
-      forces_.push_back(points.vector(set.place, issues));
-    else
-      forces_.emplace_back(), check_ground(at, set.place, issues);
-    MatrixXd& rows = outputs_.emplace_back(at.size(), static_cast<Index>(set.outputs.size()));
-    for (Index j = 0; j < rows.cols(); ++j)
-      rows.col(j) = points.vector(set.outputs[static_cast<std::size_t>(j)], issues);
-  }
+  for (const auto& set : sets_) places_.push_back(places_of(set, at, issues));
   issues.raise();
 }
 
 /// Loads and outputs whose static answers the basis is to hold, n x columns.
 MatrixXd FrfModel::places(const LinearModel& model) const {
   Index columns = 0;
-  for (std::size_t i = 0; i < sets_.size(); ++i) columns += outputs_[i].cols() + (forces_[i].size() > 0 ? 1 : 2);
+  for (const auto& each : places_) columns += each.outputs.cols() + (each.force.size() > 0 ? 1 : 2);
   MatrixXd places(model.size(), columns);
   Index next = 0;
   const auto add = [&](const auto& block) {
@@ -187,14 +128,14 @@ MatrixXd FrfModel::places(const LinearModel& model) const {
     next += block.cols();
   };
   for (std::size_t i = 0; i < sets_.size(); ++i) {
-    add(outputs_[i]);
-    if (forces_[i].size() > 0) {
-      add(forces_[i]);
+    add(places_[i].outputs);
+    if (places_[i].force.size() > 0) {
+      add(places_[i].force);
       continue;
     }
-    const GroundCoupling* ground = find_ground(model, sets_[i].place);
-    add(ground->stiffness);
-    add(ground->damping);
+    const GroundCoupling& ground = ground_of(model, sets_[i].place);
+    add(ground.stiffness);
+    add(ground.damping);
   }
   return places;
 }
@@ -205,16 +146,16 @@ FrfEvaluation::Set FrfModel::reduced_set(std::size_t index, const LinearModel& m
                                          const VectorXd& rates) const {
   FrfEvaluation::Set set{.load = {},
                          .load_derivatives = {},
-                         .outputs = outputs_[index].transpose() * basis.shapes,
-                         .order = order_of(sets_[index])};
-  if (forces_[index].size() > 0) {
-    set.load = {basis.shapes.transpose() * forces_[index], VectorXd::Zero(basis.size())};
+                         .outputs = places_[index].outputs.transpose() * basis.shapes,
+                         .order = derivative_order(sets_[index])};
+  if (places_[index].force.size() > 0) {
+    set.load = {basis.shapes.transpose() * places_[index].force, VectorXd::Zero(basis.size())};
     return set;
   }
-  const GroundCoupling* ground = find_ground(model, sets_[index].place);
-  set.load.constant = basis.shapes.transpose() * ground->stiffness;
+  const GroundCoupling& ground = ground_of(model, sets_[index].place);
+  set.load.constant = basis.shapes.transpose() * ground.stiffness;
   set.load.per_s =
-      basis.shapes.transpose() * ground->damping + rates.cwiseProduct(static_amplitudes(basis, set.load.constant));
+      basis.shapes.transpose() * ground.damping + rates.cwiseProduct(static_amplitudes(basis, set.load.constant));
   return set;
 }
 
@@ -230,7 +171,7 @@ FrfEvaluation FrfModel::evaluate(const VectorXd& parameters, bool with_derivativ
   if (!with_derivatives) return evaluation;
   for (const ModelDerivative& derivative : model_->derivatives(parameters))
     evaluation.derivatives.push_back(reduced(basis, derivative, ratios));
-  if (std::ranges::any_of(forces_, [](const VectorXd& force) { return force.size() == 0; }))
+  if (std::ranges::any_of(sets_, [](const FrfSet& set) { return set.input != FrfInput::force; }))
     add_load_derivatives(evaluation, parameters, rates);
   return evaluation;
 }
@@ -250,12 +191,12 @@ void FrfModel::add_load_derivatives(FrfEvaluation& evaluation, const VectorXd& p
     const LinearModel model_above = model_->at(moves ? above : parameters).model;
     const LinearModel model_below = model_->at(moves ? below : parameters).model;
     for (std::size_t i = 0; i < sets_.size(); ++i) {
-      if (forces_[i].size() > 0) continue;
-      const GroundCoupling *high = find_ground(model_above, sets_[i].place),
-                           *low = find_ground(model_below, sets_[i].place);
+      if (places_[i].force.size() > 0) continue;
+      const GroundCoupling &high = ground_of(model_above, sets_[i].place),
+                           &low = ground_of(model_below, sets_[i].place);
       FrfEvaluation::Set& set = evaluation.sets[i];
-      FrfEvaluation::Load load{basis.shapes.transpose() * (high->stiffness - low->stiffness) / (2.0 * step),
-                               basis.shapes.transpose() * (high->damping - low->damping) / (2.0 * step)};
+      FrfEvaluation::Load load{basis.shapes.transpose() * (high.stiffness - low.stiffness) / (2.0 * step),
+                               basis.shapes.transpose() * (high.damping - low.damping) / (2.0 * step)};
       const VectorXd amplitudes = static_amplitudes(basis, set.load.constant);
       VectorXd change = load.constant;
       if (derivative.stiffness.size() > 0) change -= derivative.stiffness * amplitudes;

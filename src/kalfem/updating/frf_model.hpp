@@ -2,10 +2,10 @@
 
 #include <complex>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "kalfem/model/parameterised_model.hpp"
+#include "kalfem/updating/frf_set.hpp"
 
 namespace kalfem {
 
@@ -57,18 +57,6 @@ Eigen::MatrixXd modal_damping_derivative(const ResponseBasis& basis, const Modal
                                          const std::vector<double>& ratio_derivatives,
                                          const Eigen::MatrixXd& stiffness_derivative,
                                          const Eigen::MatrixXd& mass_derivative);
-
-enum class ResponseQuantity { displacement, velocity, acceleration };
-enum class FrfInput { force, ground_displacement, ground_acceleration };
-
-/// FRFs of one input: absolute motion of points per force at a point [N], or per displacement or acceleration of a
-/// ground.
-struct FrfSet {
-  FrfInput input = FrfInput::force;
-  std::string place;                 ///< where the input acts: a degree of freedom, a point, or a ground
-  std::vector<std::string> outputs;  ///< degrees of freedom or points
-  ResponseQuantity quantity = ResponseQuantity::acceleration;
-};
 
 /// One line of a set's FRFs.
 struct FrfLine {
@@ -136,8 +124,7 @@ private:
 
   std::shared_ptr<const ParameterisedModel> model_;
   std::vector<FrfSet> sets_;
-  std::vector<Eigen::VectorXd> forces_;   ///< unit force of each set, n; empty for a ground
-  std::vector<Eigen::MatrixXd> outputs_;  ///< S^T of each set, n x outputs
+  std::vector<FrfPlaces> places_;  ///< of each set
   double highest_;
   ResponseBasisOptions options_;
 };
