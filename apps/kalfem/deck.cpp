@@ -11,6 +11,7 @@
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/deck.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
+#include "kalfem/model/checks/model_check.hpp"
 #include "kalfem/model/unit_system.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"
 #include "kalfem/report/result_set.hpp"
@@ -61,6 +62,8 @@ FiniteElementPart part_of(const std::string& file, const std::vector<std::string
   to_si(deck.model, unit_system(units));
   FiniteElementPart part{.name = std::filesystem::path(file).stem().string(), .elements = std::move(deck.model)};
   assemble_part(part, {});
+  for (const auto& finding : {units_finding(part.elements), coincident_elements_finding(part.elements)})
+    if (finding) print_error("warning: {}\n", to_string(Issue{{file, 0}, finding->what, finding->why, finding->fix}));
   return part;
 }
 

@@ -7,6 +7,7 @@
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "kalfem/identification/stated_interval.hpp"
 #include "kalfem/report/display_unit.hpp"
+#include "kalfem/report/modes_table.hpp"
 #include "kalfem/report/result_set.hpp"
 #include "kalfem/report/tables.hpp"
 #include "kalfem/statistics/quantiles.hpp"
@@ -219,6 +220,50 @@ TEST(Summary, HoldsTheModel) {
   same(reduced["reduction"]["modes"][0]["full_hz"], error_indicators.modes[0].full);
   same(reduced["reduction"]["modes"][0]["reduced_hz"], error_indicators.modes[0].reduced);
   same(reduced["reduction"]["modes"][0]["mac"], error_indicators.modes[0].mac);
+}
+
+TEST(ModesTable, ComparesEveryModeThatAReductionKeeps) {
+  const auto beam = study_of(beam_case());
+  const auto table = modes_table(beam, run(beam, Step::modes));
+  const auto& indicators = beam.structure->finite_elements[0].reduced->error_indicators;
+  EXPECT_EQ(table.columns, (std::vector<std::string>{"substructure", "mode", "full [Hz]", "reduced [Hz]", "difference",
+                                                     "MAC", "residual"}));
+  ASSERT_GE(indicators.modes.size(), 1u);
+  EXPECT_LE(indicators.modes.back().full, indicators.highest_kept * 1.00001);
+  for (std::size_t i = 0; i < indicators.modes.size(); ++i) {
+    const auto row = std::ranges::find_if(
+        table.rows, [&](const auto& each) { return each[0] == "b" && each[1] == std::to_string(i + 1); });
+    ASSERT_NE(row, table.rows.end());
+    for (const auto& cell : *row) EXPECT_NE(cell, "-") << i;
+  }
+  EXPECT_NE(table.caption.find("The reduction of 'b' keeps modes up to"), std::string::npos) << table.caption;
+}
+
+TEST(ModesTable, WritesSixDigitsWhereOnlyTheseTellFrequenciesApart) {
+  auto beam = study_of(beam_case());
+  auto reduced = *beam.structure->finite_elements[0].reduced;
+  reduced.error_indicators.modes = {{.full = 12.3456, .reduced = 12.3471, .mac = 0.99, .residual = 2e-3},
+                                    {.full = 12.3456, .reduced = 12.4, .mac = 0.99, .residual = 2e-3},
+                                    {.full = 12.3456, .reduced = 12.34560001, .mac = 1.0, .residual = 2e-9}};
+  auto structure = *beam.structure;
+  structure.finite_elements[0].reduced = std::make_shared<const Superelement>(reduced);
+  beam.structure = std::make_shared<const StructureModel>(structure);
+  StudyResults results;
+  results.modes = {{.name = "b", .frequencies = VectorXd::Zero(3)}};
+  const auto table = modes_table(beam, results);
+  const auto frequencies = [&](std::size_t row) { return std::pair(table.rows[row][2], table.rows[row][3]); };
+  EXPECT_EQ(frequencies(0), std::pair(std::string("12.3456"), std::string("12.3471")));
+  EXPECT_EQ(frequencies(1), std::pair(std::string("12.35"), std::string("12.4")));
+  EXPECT_EQ(frequencies(2), std::pair(std::string("12.35"), std::string("12.35")));
+  EXPECT_EQ(table.rows[0][6], "2.0e-03");
+  EXPECT_EQ(table.caption, "") << "nothing is left out";
+}
+
+TEST(ModesTable, SaysWhyNothingIsCompared) {
+  const auto& [study, results] = everything();
+  const auto table = modes_table(study, results);
+  EXPECT_EQ(table.columns.size(), 3u) << "no empty columns";
+  EXPECT_NE(table.caption.find("'s' is not reduced: it is lumped"), std::string::npos) << table.caption;
 }
 
 TEST(ResultsFile, HoldsThePosteriorByChainAndDraw) {

@@ -58,6 +58,55 @@ TEST(DeckModes, CountTheUnits) {
   EXPECT_EQ(run_command("modes " + deck + " --set a=1", folder).code, 2);
 }
 
+/// Steel beams in mm, t and s from grid 1 to `grids`.
+std::string steel_beams(int grids, const std::string& more = "") {
+  std::string deck = "BEGIN BULK\nMAT1,1,2.1+5,,.3,7.85-9\nPBAR,1,1,100.,833.,833.,1406.\n";
+  for (int grid = 1; grid <= grids; ++grid)
+    deck += "GRID," + std::to_string(grid) + ",," + std::to_string(100 * grid) + ".,0.,0." +
+            (grid == 1 ? ",,123456\n" : "\n");
+  for (int grid = 1; grid < grids; ++grid)
+    deck +=
+        "CBAR," + std::to_string(grid) + ",1," + std::to_string(grid) + "," + std::to_string(grid + 1) + ",0.,0.,1.\n";
+  return deck + more + "ENDDATA\n";
+}
+
+Outcome modes_of(const std::string& text, const ScratchFolder& folder, const std::string& options = "") {
+  const std::string deck = (folder / "beams.bdf").string();
+  std::ofstream(deck) << text;
+  return run_command("modes " + deck + " --modes 2 " + options, folder);
+}
+
+TEST(DeckModes, WarnOfUnitsThatAreNotDeclared) {
+  const ScratchFolder folder("deck-modes-other-units");
+  const auto outcome = modes_of(steel_beams(4), folder);
+  EXPECT_EQ(outcome.code, 0) << outcome.errors;
+  EXPECT_NE(outcome.errors.find("in mm, t, s (N, MPa)"), std::string::npos) << outcome.errors;
+  EXPECT_EQ(modes_of(steel_beams(4), folder, "--units mm t s").errors, "");
+}
+
+// The fifth grid hangs on a spring along x alone.
+TEST(DeckModes, TellOfUnitsBeforeMechanisms) {
+  const ScratchFolder folder("deck-modes-mechanism");
+  const std::string hanging = steel_beams(4, "GRID,5,,500.,0.,0.,,456\nCELAS2,9,1.,4,1,5,1\nCONM2,10,5,,1.-3\n");
+  const auto outcome = modes_of(hanging, folder);
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_NE(outcome.errors.find("declare the units: length mm, mass t, time s"), std::string::npos) << outcome.errors;
+  EXPECT_EQ(outcome.errors.find("mechanism"), std::string::npos) << outcome.errors;
+  const auto declared = modes_of(hanging, folder, "--units mm t s");
+  EXPECT_EQ(declared.code, 2);
+  EXPECT_NE(declared.errors.find("it moves without strain at n5.y, n5.z"), std::string::npos) << declared.errors;
+}
+
+TEST(DeckModes, WarnOfCoincidentElementsOnce) {
+  const ScratchFolder folder("deck-modes-coincident");
+  const auto outcome =
+      modes_of(steel_beams(4, "CBAR,11,1,1,2,0.,0.,1.\nCBAR,12,1,3,2,0.,0.,1.\n"), folder, "--units mm t s");
+  EXPECT_EQ(outcome.code, 0) << outcome.errors;
+  EXPECT_NE(outcome.errors.find("2 pairs of elements have the same nodes: line 1 and line 11, line 2 and line 12"),
+            std::string::npos)
+      << outcome.errors;
+}
+
 TEST(DeckModes, RefuseWhatTheDeckNeedsAndKalfemDoesNotRead) {
   const ScratchFolder folder("deck-modes-missing");
   const std::string deck = (folder / "two.bdf").string();

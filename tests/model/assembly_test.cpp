@@ -262,7 +262,7 @@ TEST(Assembly, DegreesOfFreedomWithoutMassStay) {
   EXPECT_NEAR(modes.vectors(place, 6) / modes.vectors(assembled.find({1, 0}), 6), 1.0, 1e-12);
 }
 
-TEST(Assembly, ElementsThatCannotBeIntegratedAreAllNamed) {
+TEST(Assembly, ElementsThatCannotBeIntegratedAreToldOnceAReason) {
   auto model = beam_model({1.0, 0.0, 0.0}, 2, rectangular_section(0.04, 0.06));
   for (int i = 0; i < 25; ++i) {
     const auto twin = add_node(model.mesh, {1.0, 0.0, 0.0});
@@ -274,13 +274,12 @@ TEST(Assembly, ElementsThatCannotBeIntegratedAreAllNamed) {
     assemble(model);
     FAIL();
   } catch (const InvalidInput& error) {
-    EXPECT_EQ(error.issues().size(), 12u + 1u + 1u);
+    EXPECT_EQ(error.issues().size(), 2u);
     const std::string text = error.what();
-    for (const char* part :
-         {"line.msh: line 3 of region 'line' cannot be integrated: its ends coincide", "line 14 of",
-          "13 more cells of region 'line'", "line 28 of region 'other' cannot be integrated: the direction 'up'"})
+    for (const char* part : {"line.msh: 25 elements (line 3, line 4, line 5, line 6, line 7 and 20 more) of region "
+                             "'line' cannot be integrated: its ends coincide",
+                             "line 28 of region 'other' cannot be integrated: its axis is parallel to 'up'"})
       EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
-    EXPECT_EQ(text.find("line 15 of"), std::string::npos);
   }
 }
 

@@ -322,5 +322,24 @@ TEST(BeamParts, TheirSumIsTheWholeStiffness) {
   check({BeamPart::stiffness});
 }
 
+TEST(Beam, RoundSectionsStandUprightWithoutAnUp) {
+  const Ends upright{{0.1, 0.1}, {0.2, 0.2}, {0.0, 1.5}};
+  const auto stiffness = [&](const BeamProperty& property) {
+    return beam(upright, property, 0.3, MassKind::consistent).stiffness[0].matrix;
+  };
+  const Eigen::Vector3d none = Eigen::Vector3d::Zero(), up = Eigen::Vector3d::UnitZ();
+  for (const auto& section : {circular_section(0.03), circular_tube_section(0.03, 0.002)}) {
+    const auto turned = stiffness(beam_property(section, none, {0.6, -0.8, 0.0}));
+    EXPECT_LT((stiffness(beam_property(section, none, up)) - turned).norm(), 1e-14 * turned.norm());
+  }
+  EXPECT_THROW(stiffness(beam_property(rectangular_section(0.03, 0.03), none, up)), ElementShapeError);
+  auto eccentric = beam_property(circular_section(0.03), none, up);
+  eccentric.nonstructural_centre = {0.0, 0.01};
+  EXPECT_THROW(stiffness(eccentric), ElementShapeError);
+  auto hinged = beam_property(circular_section(0.03), none, up);
+  hinged.placements[0].released[4] = true;
+  EXPECT_THROW(stiffness(hinged), ElementShapeError);
+}
+
 }  // namespace
 }  // namespace kalfem

@@ -6,6 +6,7 @@
 
 #include "kalfem/model/mesh/connectivity.hpp"
 #include "model/fe_models.hpp"
+#include "model/solid_models.hpp"
 
 namespace kalfem {
 namespace {
@@ -177,6 +178,71 @@ TEST(Health, MechanismsAreNamed) {
   const ModelCheckReport report = model_check_of(model);
   EXPECT_EQ(report.mechanisms, (std::vector<std::string>{"n79.x", "n79.y"})) << all_of(report);
   EXPECT_NE(find(report, Topic::connections, "n79.x"), nullptr);
+}
+
+TEST(Health, HourglassModesAreNamedWithTheirRemedy) {
+  for (const auto kind : {SolidKind::reduced, SolidKind::full}) {
+    test::SolidProblem block(
+        {1, 1, 1, CellShape::hexahedron20}, [](const Eigen::Vector3d& cube) { return cube; }, test::steel, kind);
+    const ModelCheckReport report = model_check_of(block.model);
+    EXPECT_EQ(report.mechanisms.size(), kind == SolidKind::reduced ? 6u : 0u);
+    const auto* finding = find(report, Topic::connections, "need no force");
+    ASSERT_EQ(finding != nullptr, kind == SolidKind::reduced) << all_of(report);
+    if (!finding) continue;
+    EXPECT_NE(finding->why.find("hourglass modes of reduced integration in region 'solid'"), std::string::npos);
+    EXPECT_NE(finding->fix.find("`integration: full`"), std::string::npos);
+  }
+}
+
+TEST(Health, HingesBesideReducedIntegrationAreNoHourglassModes) {
+  test::SolidProblem block(
+      {2, 2, 2, CellShape::hexahedron20}, [](const Eigen::Vector3d& cube) { return cube; }, test::steel,
+      SolidKind::reduced);
+  block.fix(block.box.side(0, 0.0), {0, 1, 2});
+  const Index bob = add_node(block.model.mesh, {2.0, 0.0, 0.0});
+  block.model.masses.push_back({.name = "bob", .node = bob, .mass = 1.0});
+  block.model.springs.push_back(
+      {.name = "wire", .from = {block.box.at(1.0, 0.0, 0.0), 0}, .to = NodalDof{bob, 0}, .stiffness = 1e4});
+  const ModelCheckReport report = model_check_of(block.model);
+  const auto* finding = find(report, Topic::connections, "need no force");
+  ASSERT_NE(finding, nullptr) << all_of(report);
+  EXPECT_EQ(finding->why.find("hourglass"), std::string::npos) << finding->why;
+}
+
+TEST(Health, CoincidentElementsOfOneKindAreReported) {
+  FiniteElementModel model = plate();
+  const auto nodes = model.mesh.nodes_of(model.mesh.cells[3]);
+  const std::vector<Index> turned = {nodes[2], nodes[3], nodes[0], nodes[1]};
+  add_cell(model.mesh, "patch", CellShape::quadrilateral4, turned);
+  model.properties["patch"] = ShellProperty{"steel", 0.005};
+  const ModelCheckReport report = model_check_of(model);
+  const auto* finding = find(report, Topic::elements, "1 pair of elements have the same nodes");
+  ASSERT_NE(finding, nullptr) << all_of(report);
+  EXPECT_NE(finding->what.find("quadrilateral 4 and quadrilateral 61"), std::string::npos) << finding->what;
+  EXPECT_EQ(finding->nodes.size(), 4u);
+}
+
+TEST(Health, ElementsOfTwoKindsOnOneSideDoNotCoincide) {
+  FiniteElementModel model = plate();
+  EXPECT_FALSE(coincident_elements_finding(model));
+  add_cell(model.mesh, "stiffener", CellShape::line2, {0, 1});
+  model.properties["stiffener"] = test::beam_property(rectangular_section(0.02, 0.03));
+  EXPECT_FALSE(coincident_elements_finding(model));
+  add_cell(model.mesh, "stiffener", CellShape::line2, {1, 0});
+  EXPECT_TRUE(coincident_elements_finding(model));
+}
+
+TEST(Health, OneUsualMaterialInSiIsEnoughForTheUnits) {
+  FiniteElementModel model = plate();
+  EXPECT_FALSE(units_finding(model));
+  model.materials["steel"] = {.youngs_modulus = 2.1e5, .poissons_ratio = 0.3, .density = 7.85e-9};
+  const auto finding = units_finding(model);
+  ASSERT_TRUE(finding);
+  EXPECT_NE(finding->fix.find("length mm, mass t"), std::string::npos) << finding->fix;
+  model.materials["alloy"] = {.youngs_modulus = 7e10, .poissons_ratio = 0.3, .density = 2700.0};
+  EXPECT_TRUE(units_finding(model)) << "of a material that nothing is made of";
+  model.properties["alloy"] = ShellProperty{"alloy", 0.005};
+  EXPECT_FALSE(units_finding(model));
 }
 
 TEST(Health, MillimetresAndTonnesAreRecognised) {

@@ -2,9 +2,8 @@
 
 #include <numbers>
 
-#include "kalfem/model/statics/geometric_stiffness.hpp"
-#include "kalfem/model/statics/statics.hpp"
 #include "model/fe_models.hpp"
+#include "model/preloaded.hpp"
 #include "model/shell_models.hpp"
 #include "model/solid_models.hpp"
 
@@ -25,18 +24,8 @@ void hold(FiniteElementModel& model, const std::vector<Index>& nodes, const std:
 
 /// First natural frequency [Hz] under the stresses of a load case; negative where the load is beyond buckling.
 double first_frequency(const FiniteElementModel& model, const LoadCase& preload) {
-  const auto solution = solve_statics(model, preload);
-  const SparseMatrix all = geometric_stiffness(model, recover_stresses(model, solution.displacements, preload.gravity));
-  const auto assembled = assemble(model);
-  const SparseMatrix stiffness = evaluate(assembled.stiffness, assembled.parameters) +
-                                 SparseMatrix(assembled.expansion.transpose() * all * assembled.expansion);
-  try {
-    const SparseFactor positive_definite(stiffness);
-  } catch (const NotPositiveDefinite&) {
-    return -1.0;
-  }
-  const auto modes = lowest_modes(stiffness, evaluate(assembled.mass, assembled.parameters), {.count = 1});
-  return std::sqrt(modes.values[0]) / (2.0 * pi);
+  const auto frequencies = preloaded_frequencies(model, preload, 1);
+  return frequencies.size() > 0 ? frequencies[0] : -1.0;
 }
 
 /// Pinned at both ends, of a rectangle 20 mm wide and 5 mm high; the far end slides along x.

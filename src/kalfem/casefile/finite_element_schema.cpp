@@ -66,12 +66,13 @@ Schema<Region> region() {
                          {"mean_dilatation", SolidKind::mean_dilatation, "B-bar (8-node hexahedra)"},
                          {"reduced", SolidKind::reduced, "fewer points"}}),
       "treatment of the strains");
-  const auto beam = Fields<BeamRegion>()
-                        .required("section", &BeamRegion::section, section(), "cross-section")
-                        .optional("up", &BeamRegion::up, tuple<3>(number("-")),
-                                  "orientation vector: local z lies in the plane of the axis and this vector")
-                        .optional("offset", &BeamRegion::offset, tuple<3>(number("m", plausible::position())),
-                                  "offset of the centroid from the node, in global axes");
+  const auto beam =
+      Fields<BeamRegion>()
+          .required("section", &BeamRegion::section, section(), "cross-section")
+          .optional("up", &BeamRegion::up, tuple<3>(number("-")),
+                    "orientation vector: local z lies in the plane of the axis and this vector; any for round sections")
+          .optional("offset", &BeamRegion::offset, tuple<3>(number("m", plausible::position())),
+                    "offset of the centroid from the node, in global axes");
   return mapping(Fields<Region>()
                      .required("material", &Region::material, name(), "name of one of `materials`")
                      .one_of(&Region::property, when("shell", mapping(shell), "triangles and quadrilaterals"),

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "kalfem/base/invalid_input.hpp"
@@ -20,12 +21,19 @@ struct StaticPressure {
   Name on;
   double pressure = 0.0;  ///< [Pa]
 };
+/// Steady rotation about an axis.
+struct StaticRotation {
+  std::array<double, 3> axis{};   ///< direction
+  std::array<double, 3> about{};  ///< a point of the axis [m]
+  double speed = 0.0;             ///< [rad/s]
+};
 /// Loads that act together.
 struct StaticCase {
   std::vector<StaticForce> forces;
   std::vector<StaticPressure> pressures;
   std::array<double, 3> gravity{};  ///< [m/s^2]
-  Named<Value> displacements;       ///< imposed, by node.direction [m], of a rotation [rad]
+  std::optional<StaticRotation> rotation;
+  Named<Value> displacements;  ///< imposed, by node.direction [m], of a rotation [rad]
 };
 /// Static analysis of one finite-element substructure.
 struct Statics {

@@ -9,12 +9,12 @@ namespace {
 
 /// A load case without any load is probably an unfinished one.
 std::vector<Issue> check_loaded(const StaticCase& given) {
-  const bool weightless = given.gravity == std::array<double, 3>{};
+  const bool weightless = given.gravity == std::array<double, 3>{} && !given.rotation;
   if (!given.forces.empty() || !given.pressures.empty() || !given.displacements.empty() || !weightless) return {};
   return {{{},
            "the load case has no load",
            "nothing would happen",
-           "give `forces`, `pressures`, `gravity` or `displacements`"}};
+           "give `forces`, `pressures`, `gravity`, `rotation` or `displacements`"}};
 }
 
 Schema<StaticCase> static_case() {
@@ -36,11 +36,23 @@ Schema<StaticCase> static_case() {
                     "region of shells, group of surfaces on solids, or group of nodes that holds whole faces")
           .required("pressure", &StaticPressure::pressure, number("Pa"),
                     "pushes into solids, and against the normal of shells (their nodes by the right-hand rule)");
+  const auto rotation =
+      Fields<StaticRotation>()
+          .required("axis", &StaticRotation::axis, tuple<3>(number("-")), "direction of the axis")
+          .optional("about", &StaticRotation::about, tuple<3>(number("m")), "a point of the axis; default: the origin")
+          .required("speed", &StaticRotation::speed, number("rad/s"), "angular velocity: 100 rad/s, 3000 rpm")
+          .check([](const StaticRotation& given) -> std::vector<Issue> {
+            if (given.axis != std::array<double, 3>{} && given.speed != 0.0) return {};
+            return {{{}, "the rotation has no axis or no speed", "it has no effect", "give both, or leave it out"}};
+          });
   return mapping(Fields<StaticCase>()
                      .optional("forces", &StaticCase::forces, list(mapping(force)), "forces and moments")
                      .optional("pressures", &StaticCase::pressures, list(mapping(pressure)), "pressures on surfaces")
                      .optional("gravity", &StaticCase::gravity, tuple<3>(number("m/s^2")),
                                "acceleration of the field: [0, 0, -9.81]; each mass m weighs m g")
+                     .optional("rotation", &StaticCase::rotation, mapping(rotation),
+                               "steady rotation, seen from axes that turn: centrifugal forces; as a preload also their "
+                               "growth with the displacement")
                      .optional("displacements", &StaticCase::displacements, named(value(), NameRule::dotted),
                                "imposed displacements and rotations: {tip.z: 1 mm}")
                      .check(check_loaded));

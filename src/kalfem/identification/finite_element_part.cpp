@@ -7,7 +7,9 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/identification/response_reduction.hpp"
 #include "kalfem/linalg/sparse_factor.hpp"
+#include "kalfem/model/assembly/hourglass.hpp"
 #include "kalfem/model/assembly/rigid_body.hpp"
+#include "kalfem/model/checks/model_check.hpp"
 #include "kalfem/model/mesh/connectivity.hpp"
 #include "kalfem/reduction/free_interface.hpp"
 
@@ -57,11 +59,14 @@ ModeSelection modes_for(const ReductionRequest& request, double bandwidth) {
 void require_no_mechanism(const FiniteElementModel& elements, const AssembledModel& assembled) {
   const auto free = find_mechanisms(elements, assembled);
   if (free.empty()) return;
+  if (const auto units = units_finding(elements))
+    throw InvalidInput("substructure '" + elements.name + "': " + units->what, units->why, units->fix);
   std::string names;
   for (std::size_t i = 0; i < std::min<std::size_t>(free.size(), 10); ++i) names += (i == 0 ? "" : ", ") + free[i];
+  const auto [why, fix] = mechanism_reason(elements, free);
   throw InvalidInput("substructure '" + elements.name + "' is a mechanism: it moves without strain at " + names +
                          (free.size() > 10 ? " and " + std::to_string(free.size() - 10) + " more" : ""),
-                     "its motion there is undetermined", "fix or connect these degrees of freedom");
+                     why, fix);
 }
 
 /// Adds T^T K_g T to the term that no parameter changes.

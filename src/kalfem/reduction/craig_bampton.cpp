@@ -63,11 +63,6 @@ LowestModes completed_modes(const LinearModel& model, const Partition& parts, co
   return kept;
 }
 
-double comparison_band(const ReductionErrorIndicators& error_indicators, const ReductionOptions& options) {
-  if (options.compare_up_to > 0.0) return options.compare_up_to;
-  return 0.5 * (error_indicators.highest_kept > 0.0 ? error_indicators.highest_kept : error_indicators.next_left_out);
-}
-
 // Craig and Bampton [CB68], with the interior i and the boundary b:
 //   1. factor K_ii + shift M_ii; a free interior has rigid-body modes, which the constraint modes leave out;
 //   2. constraint modes Psi = -K_ii^-1 K_ib;
@@ -114,8 +109,9 @@ Superelement craig_bampton(const LinearModel& model, const std::vector<std::stri
   Superelement element = reduced(model, joined(boundary, options.also_kept), options);
   element.error_indicators.seconds = watch.seconds();
   if (options.error_indicators)
-    element.error_indicators.modes = compare_modes(
-        model, element.model, element.basis, comparison_band(element.error_indicators, options), options.whole.get());
+    element.error_indicators.modes =
+        compare_modes(model, element.model, element.basis,
+                      comparison_band(element.error_indicators, options.compare_up_to), options.whole.get());
   return element;
 }
 

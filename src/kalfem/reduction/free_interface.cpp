@@ -148,11 +148,6 @@ bool to_macneal(const LinearModel& full, const std::vector<std::string>& names, 
   return true;
 }
 
-double comparison_band(const ReductionErrorIndicators& error_indicators, const FreeInterfaceOptions& options) {
-  if (options.compare_up_to > 0.0) return options.compare_up_to;
-  return 0.5 * (error_indicators.highest_kept > 0.0 ? error_indicators.highest_kept : error_indicators.next_left_out);
-}
-
 }  // namespace
 
 Superelement free_interface(const LinearModel& model, const std::vector<std::string>& boundary,
@@ -187,8 +182,9 @@ Superelement free_interface(const LinearModel& model, const std::vector<std::str
   error_indicators.solves = kept.modes.solves + space.solves;
   error_indicators.seconds = watch.seconds();
   if (options.error_indicators)
-    error_indicators.modes = compare_modes(model, element.model, element.basis,
-                                           comparison_band(error_indicators, options), options.whole.get());
+    error_indicators.modes =
+        compare_modes(model, element.model, element.basis, comparison_band(error_indicators, options.compare_up_to),
+                      options.whole.get());
   return element;
 }
 

@@ -16,9 +16,8 @@ struct FreeInterfaceOptions {
   FreeInterfaceKind kind = FreeInterfaceKind::rubin;
   ModeSelection modes = {};                 ///< count or cutoff, at least one
   std::vector<std::string> also_kept = {};  ///< degrees of freedom treated as boundary beside it, such as sensors'
-  double compare_up_to = 0.0;  ///< band of the evidence's comparison [Hz]; 0: half the highest kept, or half the first
-                               ///< left out where only rigid-body modes are kept
-  bool error_indicators = true;                       ///< compare at all (costs the full model's modes)
+  double compare_up_to = 0.0;               ///< as in ReductionOptions
+  bool error_indicators = true;             ///< compare at all (costs the full model's modes)
   std::shared_ptr<const StiffnessFactor> whole = {};  ///< factor of the whole model's K, where it is at hand
 };
 

@@ -138,6 +138,7 @@ std::vector<std::string> joined(const std::vector<std::string>& boundary, const 
 namespace {
 
 constexpr double same_frequency = 1e-3;
+constexpr double rounding_of_frequency = 1e-6;
 
 double frequency(double value) { return std::sqrt(std::max(value, 0.0)) / (2.0 * std::numbers::pi); }
 
@@ -157,6 +158,12 @@ double residual(const LinearModel& full, const VectorXd& shape, double value) {
 }
 
 }  // namespace
+
+double comparison_band(const ReductionErrorIndicators& error_indicators, double asked) {
+  if (asked > 0.0) return asked;
+  const double highest = error_indicators.highest_kept;
+  return highest > 0.0 ? highest * (1.0 + rounding_of_frequency) : error_indicators.next_left_out;
+}
 
 // Each mode of the full model is looked for in the span of the reduced modes of its frequency, recovered by T: modes of
 // equal frequency may be any combination of each other, and a single MAC would call a good reduction bad.

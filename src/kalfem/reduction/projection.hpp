@@ -41,6 +41,8 @@ LinearModel projected_surroundings(const LinearModel& model, const Eigen::Matrix
 /// The boundary and what is kept beside it, each name once.
 std::vector<std::string> joined(const std::vector<std::string>& boundary, const std::vector<std::string>& also_kept);
 
+/// Band in which modes are compared [Hz]: what is asked for, or 0 for all kept modes (see ReductionOptions).
+double comparison_band(const ReductionErrorIndicators& error_indicators, double asked);
 /// Full and reduced modes up to a frequency [Hz], place by place. `whole`: factor of the full model's K, where it is at
 /// hand.
 std::vector<ModeComparison> compare_modes(const LinearModel& full, const LinearModel& reduced,

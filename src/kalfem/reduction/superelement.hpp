@@ -74,9 +74,9 @@ struct ReductionOptions {
   std::vector<std::string> also_kept = {};  ///< degrees of freedom treated as boundary beside it, such as sensors'
   bool augmentation_vectors = false;        ///< add the shapes that make up for the modes left out, see
                                             ///< craig_bampton.cpp: at most one a boundary degree of freedom
-  EliminationOrder order = {};   ///< of an earlier reduction with the same pattern and boundary, see the evidence
-  double compare_up_to = 0.0;    ///< band in which the evidence compares with the full model's modes [Hz]; 0: half the
-                                 ///< highest kept, or half the first left out where none is kept
+  EliminationOrder order = {};   ///< of an earlier reduction with the same pattern and boundary, see its indicators
+  double compare_up_to = 0.0;    ///< band in which modes are compared with the full model's [Hz]; 0: up to the highest
+                                 ///< kept, or below the first left out where none is kept
   bool error_indicators = true;  ///< compare at all (costs the full model's modes)
   std::shared_ptr<const StiffnessFactor> whole = {};  ///< factor of the whole model's K, where it is at hand
 };

@@ -12,6 +12,7 @@
 #include "kalfem/report/identified_parameters.hpp"
 #include "kalfem/report/inference_report.hpp"
 #include "kalfem/report/inference_tables.hpp"
+#include "kalfem/report/modes_table.hpp"
 #include "kalfem/report/placement_report.hpp"
 #include "kalfem/report/process_noise_report.hpp"
 #include "kalfem/report/sections.hpp"

@@ -15,6 +15,7 @@
 #include "kalfem/report/frequency_report.hpp"
 #include "kalfem/report/frequency_response_report.hpp"
 #include "kalfem/report/inference_report.hpp"
+#include "kalfem/report/modes_table.hpp"
 #include "kalfem/report/placement_report.hpp"
 #include "kalfem/report/process_noise_report.hpp"
 #include "kalfem/report/statics_report.hpp"
@@ -83,28 +84,6 @@ std::string counted(Eigen::Index count, const std::string& noun) {
 }
 
 std::string four_digits(double value) { return std::isfinite(value) ? fmt::format("{:.4g}", value) : "-"; }
-
-Table modes_table(const Study& study, const StudyResults& results) {
-  Table table{"Modes", {"substructure", "mode", "full [Hz]", "reduced [Hz]", "difference", "MAC"}, {}, {}};
-  for (const auto& part : results.modes) {
-    const auto elements = std::ranges::find_if(study.structure->finite_elements,
-                                               [&](const auto& each) { return each.part->name == part.name; });
-    const auto* error_indicators = elements != study.structure->finite_elements.end() && elements->reduced
-                                       ? &elements->reduced->error_indicators
-                                       : nullptr;
-    for (Eigen::Index i = 0; i < part.frequencies.size(); ++i) {
-      std::vector<std::string> row{part.name, std::to_string(i + 1), four_digits(part.frequencies[i]), "", "", ""};
-      if (const auto mode = static_cast<std::size_t>(i); error_indicators && mode < error_indicators->modes.size()) {
-        const auto& compared = error_indicators->modes[mode];
-        row[3] = four_digits(compared.reduced);
-        row[4] = compared.full > 0.0 ? fmt::format("{:.4f} %", 100.0 * (compared.reduced / compared.full - 1.0)) : "-";
-        row[5] = fmt::format("{:.6f}", compared.mac);
-      }
-      table.rows.push_back(std::move(row));
-    }
-  }
-  return table;
-}
 
 namespace {
 
@@ -344,7 +323,7 @@ std::string console_report(const Study& study, const StudyResults& results) {
   if (results.frequency_response) text += console_frequency_responses(*results.frequency_response);
   if (!results.simulation && !results.estimation && !results.placement && !results.inference && !results.statics &&
       !results.frequency_response)
-    text += to_text(modes_table(study, results)) + "\n";
+    text += console_modes(study, results);
   if (results.simulation) {
     const auto& reference = results.simulation->reference;
     const bool of_superelements = std::ranges::any_of(study.structure->finite_elements,

@@ -9,8 +9,6 @@
 
 namespace kalfem {
 
-/// Modes of the finite-element substructures, and how the reduced ones compare.
-Table modes_table(const Study& study, const StudyResults& results);
 /// Unknowns with initial value, estimate, 95 % interval from the larger standard deviation and which one that is, both
 /// standard deviations, truth and deviation from it.
 Table parameter_table(const Study& study, const EstimationOutcome& outcome);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kalfem/model/checks/model_check.hpp"
 #include "kalfem/model/linear_model.hpp"
 #include "kalfem/reduction/free_interface.hpp"
 #include "kalfem/study/finite_element_builder.hpp"
@@ -206,6 +207,8 @@ DescribedPart make_finite_element_part(const std::string& name, const d::Substru
     issues.add(error, given.finite_elements->location());
     issues.raise();
   }
+  for (const auto& finding : {units_finding(part.elements), coincident_elements_finding(part.elements)})
+    if (finding) described.warnings.push_back(finding->what + ": " + finding->why + "; " + finding->fix);
   IssueList issues;
   BoundaryMaker maker(described);
   for (const auto& place : boundary) maker.add(place, is_given, issues);

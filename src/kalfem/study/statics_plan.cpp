@@ -97,6 +97,8 @@ private:
 
 LoadCase load_case_of(const std::string& name, const d::StaticCase& given, const LoadPlaces& places) {
   LoadCase load_case{.name = name, .gravity = vector(given.gravity)};
+  if (const auto& rotation = given.rotation)
+    load_case.rotation = Rotation{vector(rotation->axis), vector(rotation->about), rotation->speed};
   for (const auto& force : given.forces)
     for (const auto& [node, share] : places.shares(force.at))
       load_case.loads.push_back({node, share * vector(force.force), share * vector(force.moment)});
@@ -162,8 +164,7 @@ SparseMatrix preload_stiffness(const FiniteElementPart& part, const Name& load_c
   IssueList issues;
   const LoadCase loads = load_case_of(found->first, found->second.value, LoadPlaces(part, issues));
   issues.raise();
-  const auto solution = solve_statics(part.elements, loads);
-  return geometric_stiffness(part.elements, recover_stresses(part.elements, solution.displacements, loads.gravity));
+  return preload_stiffness(part.elements, loads);
 }
 
 StaticsPlan make_statics_plan(const d::Case& given, const StructureModel& structure, IssueList& issues) {

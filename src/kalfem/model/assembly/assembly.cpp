@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <set>
 
 #include "kalfem/model/assembly/constraints.hpp"
@@ -19,7 +20,7 @@ using Terms = std::map<Powers, SparseMatrix>;
 using Values = std::map<std::string, double>;
 
 /// Of more problems of one kind than this, only the number is told.
-constexpr std::size_t most_cells_told = 12;
+constexpr std::size_t most_cells_told = 5;
 
 template <int columns>
 Eigen::Matrix<double, 3, columns> corners(const Mesh& mesh, const Cell& cell) {
@@ -254,17 +255,20 @@ void Assembler::add_terms(const SparseSumPattern& pattern, const Scatter& scatte
   }
 }
 
+/// One message for each reason, with the first of its cells.
 void Assembler::report(const std::vector<std::pair<Eigen::Index, std::string>>& bad, const std::string& region,
                        IssueList& issues) const {
-  const SourceLocation file{model_.mesh.source, 0};
-  const std::string title = " of region '" + region + "' cannot be integrated";
-  for (std::size_t i = 0; i < std::min(bad.size(), most_cells_told); ++i) {
-    const auto& [index, why] = bad[i];
-    issues.add(file, to_string(cell(index).shape) + " " + std::to_string(cell(index).id) + title, why,
-               "correct the mesh there");
+  std::map<std::string, std::vector<Eigen::Index>> by_reason;
+  for (const auto& [index, why] : bad) by_reason[why].push_back(index);
+  for (const auto& [why, cells] : by_reason) {
+    std::string names;
+    for (std::size_t i = 0; i < std::min(cells.size(), most_cells_told); ++i)
+      names += (i == 0 ? "" : ", ") + to_string(cell(cells[i]).shape) + " " + std::to_string(cell(cells[i]).id);
+    if (cells.size() > most_cells_told) names += " and " + std::to_string(cells.size() - most_cells_told) + " more";
+    const std::string count = cells.size() > 1 ? std::to_string(cells.size()) + " elements (" + names + ")" : names;
+    issues.add({model_.mesh.source, 0}, count + " of region '" + region + "' cannot be integrated", why,
+               "correct the mesh, or the property of the region");
   }
-  if (bad.size() > most_cells_told)
-    issues.add(file, std::to_string(bad.size() - most_cells_told) + " more cells" + title);
 }
 
 // A point mass is linear in its mass with the inertia held: M = m M_1 + M_J. M_1 has a unit mass at the offset and no

@@ -77,7 +77,35 @@ void tell_regions(const ModelCheckReport& report, std::vector<ModelFinding>& fin
   }
 }
 
-/// `in_si`: another material is a usual one in SI, beside which an odd one is a stand-in: a dummy, a smeared core.
+std::string title_of(const MaterialCheck& material) {
+  const auto& values = material.values;
+  return "the material '" + material.name + "' (E = " + to_string(values.youngs_modulus) + " Pa, density " +
+         to_string(values.density) + " kg/m^3, wave speed " + to_string(material.wave_speed) + " m/s)";
+}
+
+/// Of a material whose values are usual in other units than SI.
+std::optional<ModelFinding> other_units(const MaterialCheck& material) {
+  const auto fitting = units_that_fit(material.values);
+  if (fitting.empty()) return std::nullopt;
+  const auto& guess = fitting.front();
+  std::string others;
+  for (std::size_t i = 1; i < fitting.size(); ++i)
+    others += std::string(i == 1 ? ", or " : ", ") + fitting[i].units.name;
+  return ModelFinding{Severity::warning, Topic::units,
+                      title_of(material) + " is not a common material in SI; in " + guess.units.name + others +
+                          " it would be " + guess.material.name,
+                      "the model seems not to be in SI units, so masses and frequencies would be wrong",
+                      std::string("declare the units: length ") + guess.units.length + ", mass " + guess.units.mass +
+                          ", time " + guess.units.time};
+}
+
+/// Whether a material that is used is a usual one in SI: an odd one beside it is a stand-in, a dummy, a smeared core.
+bool is_in_si(const std::vector<MaterialCheck>& materials) {
+  return std::ranges::any_of(materials, [](const MaterialCheck& material) {
+    return !material.resembles.empty() && !material.used_by.empty();
+  });
+}
+
 void tell_material(const MaterialCheck& material, bool in_si, std::vector<ModelFinding>& findings) {
   if (material.used_by.empty()) {
     findings.push_back({Severity::note, Topic::materials, "the material '" + material.name + "' is not used", "", ""});
@@ -85,31 +113,18 @@ void tell_material(const MaterialCheck& material, bool in_si, std::vector<ModelF
   }
   const auto& values = material.values;
   if (!material.resembles.empty() || !(values.youngs_modulus > 0.0)) return;
-  const std::string title = "the material '" + material.name + "' (E = " + to_string(values.youngs_modulus) +
-                            " Pa, density " + to_string(values.density) + " kg/m^3, wave speed " +
-                            to_string(material.wave_speed) + " m/s)";
+  const std::string title = title_of(material);
   if (!(values.density > 0.0)) {
     findings.push_back({Severity::note, Topic::materials, title + " has no density", "its elements have no mass", ""});
     return;
   }
-  const auto fitting = units_that_fit(values);
-  if (fitting.empty() || in_si) {
+  if (auto units = in_si ? std::nullopt : other_units(material))
+    findings.push_back(std::move(*units));
+  else
     findings.push_back({Severity::note, Topic::materials, title + " is not a common structural material",
                         "typical wave speeds: about 5000 m/s in metals, 2000 to 10000 in composites, 4000 in wood, 30 "
                         "to 400 in rubber",
                         "check its values and units"});
-    return;
-  }
-  const auto& guess = fitting.front();
-  std::string others;
-  for (std::size_t i = 1; i < fitting.size(); ++i)
-    others += std::string(i == 1 ? ", or " : ", ") + fitting[i].units.name;
-  findings.push_back({Severity::warning, Topic::units,
-                      title + " is not a common material in SI; in " + guess.units.name + others + " it would be " +
-                          guess.material.name,
-                      "the model seems not to be in SI units, so masses and frequencies would be wrong",
-                      std::string("declare the units: length ") + guess.units.length + ", mass " + guess.units.mass +
-                          ", time " + guess.units.time});
 }
 
 void tell_size(const ModelCheckReport& report, std::vector<ModelFinding>& findings) {
@@ -121,28 +136,30 @@ void tell_size(const ModelCheckReport& report, std::vector<ModelFinding>& findin
        "declare the unit of length, unless the structure has this size"});
 }
 
+std::vector<MaterialCheck> material_checks(const FiniteElementModel& model) {
+  std::map<std::string, std::vector<std::string>> users;
+  for (const auto& [region, property] : model.properties)
+    if (const auto material = material_of(property); !material.empty()) users[material].push_back(region);
+  std::vector<MaterialCheck> materials;
+  for (const auto& [name, values] : model.materials) {
+    const auto usual = usual_material(values.youngs_modulus, values.density);
+    materials.push_back({.name = name,
+                         .values = values,
+                         .wave_speed = wave_speed(values),
+                         .resembles = usual ? usual->name : "",
+                         .used_by = users[name]});
+  }
+  return materials;
+}
+
 }  // namespace
 
 // Regions and materials are listed with their values and what they resemble. One usual material in SI is enough to
 // believe the units; otherwise values that are usual in other units are told with them.
 void check_materials(const FiniteElementModel& model, ModelCheckReport& report) {
-  std::map<std::string, std::vector<std::string>> users;
-  for (const auto& [region, cells] : model.mesh.regions) {
-    report.regions.push_back(region_check(model, region, cells));
-    if (!report.regions.back().material.empty()) users[report.regions.back().material].push_back(region);
-  }
-  for (const auto& [name, values] : model.materials) {
-    const auto usual = usual_material(values.youngs_modulus, values.density);
-    report.materials.push_back({.name = name,
-                                .values = values,
-                                .wave_speed = wave_speed(values),
-                                .resembles = usual ? usual->name : "",
-                                .used_by = users[name]});
-  }
-  const bool in_si = std::ranges::any_of(report.materials, [](const MaterialCheck& material) {
-    return !material.resembles.empty() && !material.used_by.empty();
-  });
-  for (const auto& material : report.materials) tell_material(material, in_si, report.findings);
+  for (const auto& [region, cells] : model.mesh.regions) report.regions.push_back(region_check(model, region, cells));
+  report.materials = material_checks(model);
+  for (const auto& material : report.materials) tell_material(material, is_in_si(report.materials), report.findings);
   tell_regions(report, report.findings);
   tell_size(report, report.findings);
 }
@@ -181,3 +198,16 @@ void check_springs(const FiniteElementModel& model, const AssembledModel& assemb
 }
 
 }  // namespace kalfem::report
+
+namespace kalfem {
+
+std::optional<ModelFinding> units_finding(const FiniteElementModel& model) {
+  const auto materials = report::material_checks(model);
+  if (report::is_in_si(materials)) return std::nullopt;
+  for (const auto& material : materials)
+    if (!material.used_by.empty())
+      if (auto units = report::other_units(material)) return units;
+  return std::nullopt;
+}
+
+}  // namespace kalfem

@@ -198,15 +198,8 @@ using Eigen::Index;
 using Severity = FindingSeverity;
 using Topic = FindingTopic;
 
-constexpr std::size_t most_shown = 1000;
-
 std::string node_name(const Mesh& mesh, Index node) {
   return "n" + std::to_string(mesh.node_ids[static_cast<std::size_t>(node)]);
-}
-
-std::string cell_name(const Mesh& mesh, Index index) {
-  const Cell& cell = mesh.cells[static_cast<std::size_t>(index)];
-  return to_string(cell.shape) + " " + std::to_string(cell.id);
 }
 
 std::vector<bool> touched_nodes(const FiniteElementModel& model) {
@@ -358,6 +351,11 @@ void check_lines(const Mesh& mesh, const std::string& region, double size, std::
 
 }  // namespace
 
+std::string cell_name(const Mesh& mesh, Index index) {
+  const Cell& cell = mesh.cells[static_cast<std::size_t>(index)];
+  return to_string(cell.shape) + " " + std::to_string(cell.id);
+}
+
 void check_connections(const FiniteElementModel& model, const ModelCheckOptions& options, ModelCheckReport& report) {
   const auto touched = touched_nodes(model);
   check_free_nodes(model, touched, report);
@@ -366,6 +364,7 @@ void check_connections(const FiniteElementModel& model, const ModelCheckOptions&
 }
 
 void check_elements(const FiniteElementModel& model, const ModelCheckOptions& options, ModelCheckReport& report) {
+  if (auto coincident = coincident_elements_finding(model)) report.findings.push_back(std::move(*coincident));
   const double size = (report.highest - report.lowest).norm();
   for (const auto& [region, property] : model.properties) {
     if (!model.mesh.regions.contains(region)) continue;

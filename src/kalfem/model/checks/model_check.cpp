@@ -5,6 +5,7 @@
 #include <set>
 
 #include "kalfem/linalg/sparse_factor.hpp"
+#include "kalfem/model/assembly/hourglass.hpp"
 #include "kalfem/model/assembly/rigid_body.hpp"
 #include "kalfem/model/checks/single_checks.hpp"
 #include "kalfem/model/mesh/connectivity.hpp"
@@ -250,12 +251,12 @@ void find_the_mechanisms(const FiniteElementModel& model, const AssembledModel& 
     return;
   }
   const auto count = static_cast<Index>(report.mechanisms.size());
-  if (count > 0)
-    report.findings.push_back({Severity::warning, Topic::connections,
-                               std::to_string(count) + " motions other than rigid-body motions need no force, at " +
-                                   report::listed(report.mechanisms, count),
-                               "these are mechanisms: hinges, unrestrained rotations or disconnected parts",
-                               "fix or connect these degrees of freedom unless they are meant to move"});
+  if (count == 0) return;
+  const auto [why, fix] = mechanism_reason(model, report.mechanisms);
+  report.findings.push_back({Severity::warning, Topic::connections,
+                             std::to_string(count) + " motions other than rigid-body motions need no force, at " +
+                                 report::listed(report.mechanisms, count),
+                             why, fix});
 }
 
 /// What the assembled matrices say about mass, supports and mechanisms.

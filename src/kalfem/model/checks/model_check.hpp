@@ -219,8 +219,15 @@ struct ModelCheckOptions {
 ModelCheckReport check_model(const FiniteElementModel& model, const AssembledModel& assembled,
                              const ModelCheckOptions& options = {});
 
-/// The same for matrices from elsewhere. `places`: of each degree of freedom, or none where they are unknown; then mass
-/// and grounding are left out.
+/// A material whose values are usual in other units than SI, while no material of the model is usual in SI: the deck or
+/// the mesh was written in these units. Empty: nothing speaks for them.
+std::optional<ModelFinding> units_finding(const FiniteElementModel& model);
+
+/// Elements of one kind on the same nodes, both of which count. Empty: there are none.
+std::optional<ModelFinding> coincident_elements_finding(const FiniteElementModel& model);
+
+/// check_model() for matrices from elsewhere. `places`: of each degree of freedom, or none where they are unknown; then
+/// mass and grounding are left out.
 ModelCheckReport check_model(const LinearModel& model, const std::vector<PlacedDof>& places = {},
                              const ModelCheckOptions& options = {});
 

@@ -4,11 +4,13 @@
 
 namespace kalfem::report {
 
-/// So many names are listed in a finding.
-inline constexpr std::size_t most_named = 8;
+/// So many names are listed in a finding, and so many nodes shown.
+inline constexpr std::size_t most_named = 8, most_shown = 1000;
 
 /// Number in the form in which findings tell it: "2.1e+11".
 std::string to_string(double value);
+/// "quadrilateral 17", by its index in the mesh.
+std::string cell_name(const Mesh& mesh, Eigen::Index index);
 /// "a, b, c and 17 more" of the first few of `count` names.
 std::string listed(const std::vector<std::string>& names, Eigen::Index count);
 

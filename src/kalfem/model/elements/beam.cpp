@@ -203,13 +203,36 @@ Matrix12 without_released(const Matrix12& stiffness, const std::array<bool, 12>&
   return transform;
 }
 
-/// Rows: local x, y, z.
-Eigen::Matrix3d local_axes(const Eigen::Vector3d& along, const Eigen::Vector3d& up) {
+/// Whether a beam is the same in all directions across its axis, as circles and circular tubes are.
+bool is_round(const BeamProperty& property, const BeamPlacement& placement) {
+  const BeamSection& section = property.section;
+  return section.outline.corners.empty() && section.inertia_y == section.inertia_z && section.product_yz == 0.0 &&
+         section.shear_factor_y == section.shear_factor_z && section.centroid.isZero(0.0) &&
+         property.nonstructural_centre.isZero(0.0) &&
+         std::ranges::find(placement.released, true) == placement.released.end();
+}
+
+/// The global axis farthest from a direction.
+Eigen::Vector3d axis_across(const Eigen::Vector3d& along) {
+  Eigen::Index farthest = 0;
+  along.cwiseAbs().minCoeff(&farthest);
+  return Eigen::Vector3d::Unit(farthest);
+}
+
+/// `vector` without its part along the unit vector x.
+Eigen::Vector3d normal_part(const Eigen::Vector3d& vector, const Eigen::Vector3d& x) {
+  return vector - vector.dot(x) * x;
+}
+
+/// Rows: local x, y, z. Where `up` gives no direction, any will do for a round beam.
+Eigen::Matrix3d local_axes(const Eigen::Vector3d& along, const Eigen::Vector3d& up, bool round) {
   const Eigen::Vector3d x = along.normalized();
-  const Eigen::Vector3d across = up - up.dot(x) * x;
+  Eigen::Vector3d across = normal_part(up, x);
   // A smaller angle than 1e-6 rad would leave the local axes to rounding of the coordinates.
-  if (!(across.norm() > 1e-6 * up.norm()))
-    throw ElementShapeError("the direction 'up' of the section is parallel to the beam's axis or zero");
+  if (!(across.norm() > 1e-6 * up.norm())) {
+    if (!round) throw ElementShapeError("its axis is parallel to 'up', which turns the section ([0, 0, 1] by default)");
+    across = normal_part(axis_across(x), x);
+  }
   const Eigen::Vector3d z = across.normalized();
   Eigen::Matrix3d axes;
   axes << x.transpose(), z.cross(x).transpose(), z.transpose();
@@ -238,14 +261,15 @@ struct PlacedBeam {
   Matrix12 to_line;       ///< motions of the line's ends in local axes from those of the nodes in global ones
   Matrix12 not_released;  ///< of the line's ends that leave released motions without force, from these
 
-  PlacedBeam(const Eigen::Matrix<double, 3, 2>& ends, const BeamSection& section, const BeamPlacement& placement,
+  PlacedBeam(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty& property, const BeamPlacement& placement,
              double poissons_ratio) {
+    const BeamSection& section = property.section;
     const Eigen::Matrix<double, 3, 2> line = ends + placement.offsets;
     const Eigen::Vector3d along = line.col(1) - line.col(0);
     length = along.norm();
     if (!(length > 1e-12 * line.cwiseAbs().maxCoeff()))
       throw ElementShapeError("its ends coincide: the length is zero");
-    axes = local_axes(along, placement.up);
+    axes = local_axes(along, placement.up, is_round(property, placement));
     to_line = node_to_line(axes, placement.offsets);
     const Bending bending(section, length, poissons_ratio);
     const Matrix12 stiffness = local_stiffness(BeamPart::none, section, bending, length, poissons_ratio);
@@ -287,7 +311,7 @@ ElementMatrices beam(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty
                      const BeamPlacement& placement, double poissons_ratio, MassKind mass_kind,
                      const std::vector<BeamPart>& parts) {
   const BeamSection& section = property.section;
-  const PlacedBeam placed(ends, section, placement, poissons_ratio);
+  const PlacedBeam placed(ends, property, placement, poissons_ratio);
   const Bending bending(section, placed.length, poissons_ratio);
   const Matrix12 transform = placed.not_released * placed.to_line;
   const auto to_nodes = [&](const Matrix12& local) -> Eigen::MatrixXd {
@@ -313,13 +337,13 @@ ElementMatrices beam(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty
 std::array<SectionForces, 2> beam_forces(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty& property,
                                          const BeamPlacement& placement, const IsotropicMaterial& material,
                                          MassKind mass_kind, const Eigen::VectorXd& motions,
-                                         const Eigen::Vector3d& acceleration) {
+                                         const Eigen::Matrix<double, 3, 2>& accelerations) {
   const BeamSection& section = property.section;
-  const PlacedBeam placed(ends, section, placement, material.poissons_ratio);
+  const PlacedBeam placed(ends, property, placement, material.poissons_ratio);
   const Bending bending(section, placed.length, material.poissons_ratio);
   const Vector12 line_motions = placed.not_released * (placed.to_line * motions);
   Vector12 line_acceleration = Vector12::Zero();
-  for (const int end : {0, 6}) line_acceleration.segment<3>(end) = placed.axes * acceleration;
+  for (const int end : {0, 1}) line_acceleration.segment<3>(6 * end) = placed.axes * accelerations.col(end);
   const auto mass_of = [&](const LineMass& mass) {
     return line_mass(mass, section, bending, placed.length, mass_kind);
   };
@@ -336,7 +360,7 @@ std::array<SectionForces, 2> beam_forces(const Eigen::Matrix<double, 3, 2>& ends
 
 Eigen::MatrixXd beam_geometric_stiffness(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty& property,
                                          const BeamPlacement& placement, double poissons_ratio, double axial_force) {
-  const PlacedBeam placed(ends, property.section, placement, poissons_ratio);
+  const PlacedBeam placed(ends, property, placement, poissons_ratio);
   const Bending bending(property.section, placed.length, poissons_ratio);
   Matrix12 local = Matrix12::Zero();
   for (std::size_t i = 0; i < places.size(); ++i) {

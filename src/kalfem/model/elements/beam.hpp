@@ -35,8 +35,11 @@ std::vector<BeamPart> parts_of(const BeamProperty& property);
 /// Released motions of the ends, in local axes, take the value at which they carry no force,
 ///     z_r = -K_rr^-1 K_ra z_a;   stiffness and mass by the same transformation [Guy65].
 ///
-/// Throws ElementShapeError where the ends of the line coincide, `up` is parallel to it, or the released motions let a
-/// part of the element move without force.
+/// A section that is the same in all directions, as a circle, needs no `up` across the axis: where it has none, local z
+/// is normal to the axis in some direction.
+///
+/// Throws ElementShapeError where the ends of the line coincide, `up` is parallel to it and the section is not round,
+/// or the released motions let a part of the element move without force.
 ElementMatrices beam(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty& property,
                      const BeamPlacement& placement, double poissons_ratio, MassKind mass_kind,
                      const std::vector<BeamPart>& parts = {BeamPart::none});

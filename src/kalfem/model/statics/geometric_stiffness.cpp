@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "kalfem/model/elements/solid.hpp"
+#include "kalfem/model/statics/statics.hpp"
 
 namespace kalfem {
 namespace {
@@ -134,6 +135,14 @@ Eigen::SparseMatrix<double> geometric_stiffness(const FiniteElementModel& model,
       sum.add_beam(region.beams[i], std::get<BeamProperty>(property), i);
   }
   return sum.matrix();
+}
+
+SparseMatrix preload_stiffness(const FiniteElementModel& model, const LoadCase& load_case) {
+  const auto solution = solve_statics(model, load_case);
+  const auto stresses = recover_stresses(model, solution.displacements, load_case.field());
+  SparseMatrix stiffness = geometric_stiffness(model, stresses);
+  if (load_case.rotation) stiffness += spin_softening(model, *load_case.rotation);
+  return stiffness;
 }
 
 }  // namespace kalfem

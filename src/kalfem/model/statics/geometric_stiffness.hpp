@@ -1,5 +1,6 @@
 #pragma once
 
+#include "kalfem/model/statics/load_case.hpp"
 #include "kalfem/model/statics/stresses.hpp"
 
 namespace kalfem {
@@ -13,5 +14,9 @@ namespace kalfem {
 /// The change of the loads' direction with the motion (follower forces) is left out. `stresses`: of recover_stresses().
 Eigen::SparseMatrix<double> geometric_stiffness(const FiniteElementModel& model,
                                                 const std::vector<RegionStress>& stresses);
+
+/// What a load case adds to the stiffness of the structure that carries it: geometric_stiffness() of its stresses and,
+/// where it rotates, spin_softening(). Throws as StaticAnalysis does.
+SparseMatrix preload_stiffness(const FiniteElementModel& model, const LoadCase& load_case);
 
 }  // namespace kalfem

@@ -110,6 +110,12 @@ std::map<Eigen::Index, double> uniform_shares(const Mesh& mesh, const std::vecto
   return shares;
 }
 
+AccelerationField LoadCase::field() const {
+  AccelerationField field = gravity;
+  if (rotation) field += centrifugal_field(*rotation);
+  return field;
+}
+
 Eigen::VectorXd nodal_forces(const FiniteElementModel& model, const LoadCase& load_case) {
   Eigen::VectorXd forces = Eigen::VectorXd::Zero(6 * model.mesh.node_count());
   for (const auto& load : load_case.loads) {

@@ -3,10 +3,12 @@
 #include <Eigen/Dense>
 #include <array>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "kalfem/model/finite_element_model.hpp"
+#include "kalfem/model/statics/rotation.hpp"
 
 namespace kalfem {
 
@@ -41,12 +43,16 @@ struct LoadCase {
   std::vector<NodeLoad> loads;
   std::vector<SurfacePressure> pressures;
   Eigen::Vector3d gravity =
-      Eigen::Vector3d::Zero();  ///< acceleration of the field [m/s^2]: a mass m has the weight m g
+      Eigen::Vector3d::Zero();            ///< acceleration of the field [m/s^2]: a mass m has the weight m g
+  std::optional<Rotation> rotation = {};  ///< its centrifugal field acts on every mass
   std::vector<ImposedMotion> imposed;
+
+  /// Of gravity and rotation together.
+  [[nodiscard]] AccelerationField field() const;
 };
 
-/// Forces of the loads and pressures at every degree of freedom, 6 to a node; without gravity. Pressure is integrated
-/// by the shape functions of the face, f_i = -p int N_i n dA, exactly for straight sides.
+/// Forces of the loads and pressures at every degree of freedom, 6 to a node; without gravity and rotation. Pressure is
+/// integrated by the shape functions of the face, f_i = -p int N_i n dA, exactly for straight sides.
 Eigen::VectorXd nodal_forces(const FiniteElementModel& model, const LoadCase& load_case);
 
 /// Parts of a load that is spread evenly over cells, by node; they sum up to 1. Lines and surfaces count by their

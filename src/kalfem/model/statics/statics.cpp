@@ -102,6 +102,7 @@ public:
     for (const auto& each : cases_) {
       nodal_.push_back(nodal_forces(model_, each));
       check_loads(nodal_.back(), each, issues);
+      if (each.rotation) nodal_.back() += centrifugal_forces(model_, *each.rotation);
       prescribed_.push_back(prescribed_by(each, issues));
     }
     issues.raise();

@@ -21,12 +21,12 @@ struct StaticSolution {
   Eigen::VectorXd displacements;         ///< and rotations of all nodes, 6 to a node [m, rad]
   std::vector<DofForce> support_forces;  ///< at held degrees of freedom and those of grounds [N, N m]
   std::vector<Reaction> reactions;
-  Resultant applied;       ///< loads, pressure and gravity, about the middle of the model
+  Resultant applied;       ///< of all loads, about the middle of the model
   Resultant reaction_sum;  ///< of all supports, about the same
   double imbalance = 0.0;  ///< see relative_imbalance(): rounding, unless constraints or matrices carry load to nowhere
 };
 
-/// Linear statics K u = f of load cases, f of loads, pressure and gravity.
+/// Linear statics K u = f of load cases, f of loads, pressure, gravity and rotation.
 ///
 /// The model is assembled without its supports. Degrees of freedom that these hold, and those with an imposed motion,
 /// are prescribed (p), all others free (f):

@@ -38,9 +38,9 @@ Strain layer_strain(const Eigen::Vector3d& plane, const Eigen::Matrix3d& axes, d
 /// Recovers the cells of a region by the kind of its property.
 class Recovery {
 public:
-  Recovery(const FiniteElementModel& model, const VectorXd& displacements, const Eigen::Vector3d& acceleration,
+  Recovery(const FiniteElementModel& model, const VectorXd& displacements, const AccelerationField& field,
            RegionStress& region)
-      : model_(model), displacements_(displacements), acceleration_(acceleration), region_(region) {}
+      : model_(model), displacements_(displacements), field_(field), region_(region) {}
 
   void operator()(const SolidProperty& property) {
     const auto& material = model_.materials.at(property.material);
@@ -97,7 +97,7 @@ public:
     for_each_cell([&](Index index, const Cell& cell, std::size_t place) {
       BeamStress stress{.cell = index,
                         .ends = beam_forces(places(cell), property, property.placement(place), material,
-                                            model_.mass_kind, motions(cell, 6), acceleration_)};
+                                            model_.mass_kind, motions(cell, 6), at_nodes(cell))};
       for (std::size_t end = 0; end < 2; ++end) {
         stress.axial[end] = stress.ends[end][0] / property.section.area;
         stress.fibres[end] = fibre_stress(stress.ends[end], property.section);
@@ -116,6 +116,11 @@ private:
 
   [[nodiscard]] Eigen::Matrix3Xd places(const Cell& cell) const {
     return model_.mesh.nodes(Eigen::all, model_.mesh.nodes_of(cell));
+  }
+
+  /// The field at the ends of a beam.
+  [[nodiscard]] Eigen::Matrix<double, 3, 2> at_nodes(const Cell& cell) const {
+    return (field_.gradient * places(cell)).colwise() + field_.constant;
   }
 
   /// The first `count` motions of each node of the cell.
@@ -139,7 +144,7 @@ private:
 
   const FiniteElementModel& model_;
   const VectorXd& displacements_;
-  const Eigen::Vector3d& acceleration_;
+  const AccelerationField& field_;
   RegionStress& region_;
 };
 
@@ -161,11 +166,11 @@ const char* to_string(Layer layer) {
 }
 
 std::vector<RegionStress> recover_stresses(const FiniteElementModel& model, const VectorXd& displacements,
-                                           const Eigen::Vector3d& acceleration) {
+                                           const AccelerationField& field) {
   std::vector<RegionStress> regions;
   for (const auto& [region, property] : model.properties) {
     regions.push_back({.region = region});
-    std::visit(Recovery(model, displacements, acceleration, regions.back()), property);
+    std::visit(Recovery(model, displacements, field, regions.back()), property);
   }
   return regions;
 }

@@ -7,6 +7,7 @@
 #include "kalfem/model/elements/beam_forces.hpp"
 #include "kalfem/model/elements/shell_strains.hpp"
 #include "kalfem/model/finite_element_model.hpp"
+#include "kalfem/model/statics/rotation.hpp"
 
 namespace kalfem {
 
@@ -65,9 +66,9 @@ struct RegionStress {
 
 /// Stresses under the displacements [m] and rotations [rad] of all nodes, 6 to a node: sigma = D epsilon with the
 /// strains of solid_strains() and shell_strains(), and beam_forces(). Transverse shear stress of shells is left out: it
-/// is 0 at their surfaces. `acceleration`: see beam_forces().
+/// is 0 at their surfaces. `field`: acts on the mass between the ends of beams, see beam_forces().
 std::vector<RegionStress> recover_stresses(const FiniteElementModel& model, const Eigen::VectorXd& displacements,
-                                           const Eigen::Vector3d& acceleration = Eigen::Vector3d::Zero());
+                                           const AccelerationField& field = {});
 
 /// Stress of a region at its nodes: the mean over the cells that meet at a node with one surface. Where normals of
 /// shells differ by more than 30 degrees, as at a fold, each side has its own value. At the edges of a region of linear

@@ -1,0 +1,78 @@
+#include "kalfem/report/modes_table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "kalfem/report/tables.hpp"
+
+namespace kalfem {
+namespace {
+
+using Eigen::Index;
+
+const FiniteElementSubstructure* find_elements(const Study& study, const std::string& name) {
+  const auto& all = study.structure->finite_elements;
+  const auto found = std::ranges::find_if(all, [&](const auto& each) { return each.part->name == name; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+/// Two frequencies in four digits, in six where only these tell them apart.
+std::pair<std::string, std::string> written_apart(double one, double other) {
+  const auto six_digits = [](double value) { return fmt::format("{:.6g}", value); };
+  const bool alike = four_digits(one) == four_digits(other) && six_digits(one) != six_digits(other);
+  return alike ? std::pair(six_digits(one), six_digits(other)) : std::pair(four_digits(one), four_digits(other));
+}
+
+std::vector<std::string> compared_row(const std::string& part, Index mode, const ModeComparison& compared) {
+  const auto [full, reduced] = written_apart(compared.full, compared.reduced);
+  return {part,
+          std::to_string(mode + 1),
+          full,
+          reduced,
+          compared.full > 0.0 ? fmt::format("{:.4f} %", 100.0 * (compared.reduced / compared.full - 1.0)) : "-",
+          fmt::format("{:.6f}", compared.mac),
+          fmt::format("{:.1e}", compared.residual)};
+}
+
+/// Why modes of a substructure are not compared.
+std::string reason_for_dashes(const Study& study, const SubstructureModes& part) {
+  const auto* elements = find_elements(study, part.name);
+  if (!elements) return fmt::format("'{}' is not reduced: it is lumped.", part.name);
+  if (!elements->reduced) return fmt::format("'{}' is not reduced: nothing is attached to its nodes.", part.name);
+  const auto& indicators = elements->reduced->error_indicators;
+  if (static_cast<Index>(indicators.modes.size()) >= part.frequencies.size()) return "";
+  return indicators.highest_kept > 0.0
+             ? fmt::format("The reduction of '{}' keeps modes up to {} Hz; those above are not compared.", part.name,
+                           four_digits(indicators.highest_kept))
+             : fmt::format(
+                   "The reduction of '{}' keeps no modes: those above {} Hz, its first fixed-interface "
+                   "frequency, are not compared.",
+                   part.name, four_digits(indicators.next_left_out));
+}
+
+}  // namespace
+
+Table modes_table(const Study& study, const StudyResults& results) {
+  Table table{"Modes", {"substructure", "mode", "full [Hz]", "reduced [Hz]", "difference", "MAC", "residual"}, {}, {}};
+  for (const auto& part : results.modes) {
+    const auto* elements = find_elements(study, part.name);
+    const auto compared =
+        elements && elements->reduced ? elements->reduced->error_indicators.modes : std::vector<ModeComparison>{};
+    const auto count = static_cast<Index>(compared.size());
+    for (Index i = 0; i < count; ++i)
+      table.rows.push_back(compared_row(part.name, i, compared[static_cast<std::size_t>(i)]));
+    for (Index i = count; i < part.frequencies.size(); ++i)
+      table.rows.push_back({part.name, std::to_string(i + 1), four_digits(part.frequencies[i]), "-", "-", "-", "-"});
+    if (const auto reason = reason_for_dashes(study, part); !reason.empty())
+      table.caption += (table.caption.empty() ? "" : " ") + reason;
+  }
+  return without_empty_columns(std::move(table));
+}
+
+std::string console_modes(const Study& study, const StudyResults& results) {
+  const Table table = modes_table(study, results);
+  return to_text(table) + (table.caption.empty() ? "" : "\n" + table.caption + "\n") + "\n";
+}
+
+}  // namespace kalfem
