@@ -9,6 +9,7 @@
 #include "kalfem/model/assembly/assembly.hpp"
 #include "kalfem/model/assembly/fe_linear_model.hpp"
 #include "kalfem/model/assembly/rigid_body.hpp"
+#include "kalfem/model/gauges/strain_gauge.hpp"
 #include "kalfem/reduction/superelement.hpp"
 
 namespace kalfem {
@@ -22,16 +23,17 @@ struct FiniteElementPart {
   Eigen::Vector3d moving_mass = Eigen::Vector3d::Zero();  ///< that the free part moves along x, y, z [kg]
   std::vector<NamedNode> nodes;
   std::map<std::string, std::vector<Eigen::Index>> load_groups = {};  ///< cells of the groups that loads name
-  SparseMatrix preload_stiffness = {};  ///< of stresses that it carries, 6 to a node; empty: none
-  LinearModel full;                     ///< with its damping
-  FiniteElementDamping damping;         ///< included in `full`, with its dashpots
-  std::vector<std::string> boundary;    ///< names of the degrees of freedom that the rest of the structure touches
+  SparseMatrix preload_stiffness = {};   ///< of stresses that it carries, 6 to a node; empty: none
+  LinearModel full;                      ///< with its damping
+  FiniteElementDamping damping;          ///< included in `full`, with its dashpots
+  std::vector<std::string> boundary;     ///< names of the degrees of freedom that the rest of the structure touches
+  std::vector<StrainGauge> gauges = {};  ///< whose strains are gauges of `full`
 };
 using FiniteElementPartPtr = std::shared_ptr<const FiniteElementPart>;
 
-/// Assembles what the part's `elements`, `preload_stiffness`, `nodes` and `damping` say: matrices, masses, and the full
-/// model with Rayleigh damping and dashpots, without modal damping. Throws InvalidInput as assemble() does, and where
-/// the elements do not hang together or are a mechanism, or the preload is beyond the buckling load.
+/// Assembles what the part's `elements`, `preload_stiffness`, `nodes`, `gauges` and `damping` say: matrices, masses,
+/// and the full model with Rayleigh damping and dashpots, without modal damping. Throws InvalidInput as assemble()
+/// does, and where the elements do not hang together or are a mechanism, or the preload is beyond the buckling load.
 void assemble_part(FiniteElementPart& part, const AssemblyOptions& options);
 
 /// A finite-element substructure in the orders of model that are used beside each other.
