@@ -78,33 +78,6 @@ TEST(Accuracy, VehicleOverTenSeconds) {
   }
 }
 
-/// Strain where no gauge is, over other roads and other noise: 20 records of the vehicle.
-TEST(Accuracy, VehicleStrainOverSeeds) {
-  const std::vector<std::string> gauges = {"left_belly", "right_belly", "middle_member", "upper_ladder", "post"};
-  const int seeds = 20;
-  std::map<std::string, double> worst, covered;
-  for (int seed = 1; seed <= seeds; ++seed) {
-    const std::string number = std::to_string(seed);
-    const auto summary =
-        vehicle_summary("estimate", "vehicle/strain.yaml", "DURATION=5 SEED=" + number + " ROAD=" + number);
-    for (const auto& gauge : gauges) {
-      const auto& strain = summary["estimation"]["states"]["frame." + gauge];
-      worst[gauge] = std::max(worst[gauge], strain["strain_nrmse_in_band"].get<double>());
-      covered[gauge] += strain["strain_coverage_95"].get<double>() / seeds;
-    }
-  }
-  double mean = 0.0;
-  for (const auto& gauge : gauges) {
-    expect_figure("vehicle_strain." + gauge + ".error", worst[gauge]);
-    expect_figure("vehicle_strain." + gauge + ".coverage", covered[gauge]);
-    EXPECT_LT(worst[gauge], 0.03) << gauge;
-    mean += covered[gauge] / static_cast<double>(gauges.size());
-  }
-  expect_figure("vehicle_strain.coverage", mean);
-  EXPECT_GT(mean, 0.90);
-  EXPECT_LT(mean, 0.99);
-}
-
 /// The vehicle at 1 kHz, its augmented model with so many substeps a sample.
 nlohmann::json vehicle_at_1_khz(int substeps) {
   const ScratchFolder folder("accuracy-1-khz");
