@@ -93,7 +93,7 @@ TEST(StrainGauge, FibresOfABentBeam) {
     auto model = beam_model({length, 0.0, 0.0}, 4, section);
     model.fixed = {{.name = "clamp", .nodes = {0}}};
     LoadCase load{.name = "tip"};
-    load.forces = {{{4, 0}, pull}, {{4, 1}, force_y}, {{4, 2}, force_z}};
+    load.loads = {{.node = 4, .force = {pull, force_y, force_z}}};
     const auto displacements = solve_statics(model, load).displacements;
     for (Index cell = 0; cell < 4; ++cell)
       for (const double r : {-1.0, 0.2, 1.0}) {
@@ -119,7 +119,8 @@ TEST(StrainGauge, EqualsTheStrainThatStaticsStates) {
   problem.fix(problem.grid.side('u', 0), {0, 1, 2, 3, 4, 5});
   problem.load_area(2, 1e3);
   const VectorXd displacements = solve(problem);
-  for (const auto& cell : recover_stresses(problem.model, displacements)[0].cells)
+  const auto regions = recover_stresses(problem.model, displacements);
+  for (const auto& cell : regions[0].cells)
     for (const auto& layer : cell.layers) {
       const Vector3d tangent =
           (Vector3d(1.0, 0.5, 0.0) - Vector3d(1.0, 0.5, 0.0).dot(cell.normal) * cell.normal).normalized();
