@@ -110,11 +110,13 @@ void check_parts(const Study& study, const std::optional<RecordCheck>& record, c
     const auto& part = *study.structure->finite_elements[i].part;
     const auto& notes = study.element_notes[i].notes;
     const ModelCheckReport report = model_check_of(part);
-    const Table places = places_table(part);
+    const Table places = places_table(part), gauges = gauges_table(part);
     print("Substructure '{}'\n\n{}", part.name, model_check_text(report, notes));
-    if (!places.rows.empty()) print("{}\n{}\n", places.title, to_text(places));
+    for (const Table* table : {&places, &gauges})
+      if (!table->rows.empty()) print("{}\n{}\n", table->title, to_text(*table));
     page.sections.push_back(model_check_section(part.name, part.elements, report, notes));
-    if (!places.rows.empty()) page.sections.back().items.emplace_back(places);
+    for (const Table* table : {&places, &gauges})
+      if (!table->rows.empty()) page.sections.back().items.emplace_back(*table);
   }
   if (!page_file.empty()) write_file_atomically(page_file, render_html(page));
 }

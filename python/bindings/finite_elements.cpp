@@ -103,6 +103,37 @@ FiniteElements reduced(const FiniteElements& self, std::optional<double> up_to, 
   return elements.reduce({.method = method_named(method), .modes = {.count = modes, .cutoff = up_to}}, names);
 }
 
+Layer layer_named(const std::string& name) {
+  for (const Layer layer : {Layer::top, Layer::middle, Layer::bottom})
+    if (name == to_string(layer)) return layer;
+  throw InvalidInput("surface: '" + name + "' is given", "a shell has a top, a middle and a bottom",
+                     "give one of these names");
+}
+
+/// A vector of that many numbers, named in messages.
+Eigen::VectorXd numbers_of(const py::handle& given, const std::string& argument, Eigen::Index count) {
+  Eigen::VectorXd values = vector_of(given, argument);
+  if (values.size() != count)
+    throw InvalidInput(argument + ": " + std::to_string(values.size()) + " numbers are given",
+                       std::to_string(count) + " are needed", "");
+  return values;
+}
+
+FiniteElements with_gauge(const FiniteElements& self, const std::string& name, const py::object& where,
+                          const py::object& direction, const std::optional<std::string>& surface,
+                          const py::object& fibre, const std::string& region) {
+  GaugeDescription gauge{.name = name, .region = region};
+  if (py::isinstance<py::int_>(where))
+    gauge.place = where.cast<std::int64_t>();
+  else
+    gauge.place = Eigen::Vector3d(numbers_of(where, "where", 3));
+  if (!direction.is_none()) gauge.direction = Eigen::Vector3d(numbers_of(direction, "direction", 3));
+  if (surface) gauge.surface = layer_named(*surface);
+  if (!fibre.is_none()) gauge.fibre = Eigen::Vector2d(numbers_of(fibre, "fibre", 2));
+  FiniteElements elements = self;
+  return elements.gauge(std::move(gauge));
+}
+
 void write_mesh(const FiniteElements& self, const std::filesystem::path& file, const py::dict& fields) {
   std::vector<NodalField> shown;
   for (const auto& [name, values] : fields) shown.push_back({name.cast<std::string>(), values.cast<Eigen::MatrixXd>()});
@@ -129,6 +160,24 @@ Its points are ``name.node.x``; its parameters ``name.steel.youngs_modulus``, ``
             return elements;
           },
           py::arg("name"), py::arg("where"), "Name a node, by its number in the mesh or the nearest place [m].")
+      .def("gauge", &with_gauge, py::arg("name"), py::arg("where"), py::kw_only(), py::arg("direction") = py::none(),
+           py::arg("surface") = py::none(), py::arg("fibre") = py::none(), py::arg("region") = "",
+           R"(Bond a strain gauge to an element; its strain is ``strain("frame.g1")``.
+
+Parameters
+----------
+name : str
+where : int or (x, y, z)
+    The element by its number, for its centre, or a place [m]: the nearest element.
+direction : (x, y, z)
+    In global axes; laid into the surface of a shell. Not needed on a beam.
+surface : str
+    ``top``, ``middle`` or ``bottom`` of a shell, by the element's normal; required there.
+fibre : (y, z)
+    Place in a beam's section from its centroid [m], in local axes.
+region : str
+    Only elements of this region count.
+)")
       .def(
           "fix", [](FiniteElements self, const std::string& node) { return self.fix(node); }, py::arg("node"),
           "Hold all six motions of a named node.")

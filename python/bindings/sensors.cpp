@@ -30,7 +30,7 @@ const Observation& observation_of(const py::handle& given, const std::string& ar
   if (!py::isinstance<Observation>(given))
     throw InvalidInput(
         argument + ": a " + std::string(py::str(py::type::of(given).attr("__name__"))) + " is given",
-        "a sensor is made by acceleration(), velocity(), displacement(), force(), deformation() or rate()",
+        "a sensor is made by acceleration(), velocity(), displacement(), strain(), force(), deformation() or rate()",
         "write kf.acceleration(\"body.3\", noise=0.3)");
   return given.cast<const Observation&>();
 }
@@ -115,6 +115,7 @@ void bind_sensors(py::module_& module) {
   define<ObservedQuantity::displacement>(module, "displacement", "Absolute displacement of a point [m].\n");
   define<ObservedQuantity::velocity>(module, "velocity", "Absolute velocity of a point [m/s].\n");
   define<ObservedQuantity::acceleration>(module, "acceleration", "Absolute acceleration of a point [m/s^2].\n");
+  define<ObservedQuantity::strain>(module, "strain", "Strain of a gauge of finite elements, ``\"frame.g1\"`` [m/m].\n");
   define<ObservedQuantity::connector_force>(module, "force", "Force of a connector [N].\n");
   define<ObservedQuantity::connector_deformation>(module, "deformation", "Deformation of a connector [m].\n");
   define<ObservedQuantity::connector_rate>(module, "rate", "Rate of deformation of a connector [m/s].\n");

@@ -33,6 +33,7 @@ _NAMES = {
         "force",
         "deformation",
         "rate",
+        "strain",
         "low_pass",
         "high_pass",
         "delay",
@@ -98,6 +99,7 @@ if TYPE_CHECKING:
         rate as rate,
         read_deck as read_deck,
         resonance as resonance,
+        strain as strain,
         velocity as velocity,
     )
     from .analysis import estimate as estimate, simulate as simulate, update as update

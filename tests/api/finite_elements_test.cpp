@@ -42,6 +42,23 @@ TEST(FiniteElementParts, CarryConnectorsAndUnknowns) {
   EXPECT_LT(result.parameters[1].std, 1e-3 * 210e9);
 }
 
+// A unit force bends the cantilever: epsilon = -z F (L - x) / E I, at the middle of the third element.
+TEST(FiniteElementParts, CarryStrainGauges) {
+  const auto with_gauge = [](std::int64_t element) {
+    return cantilever().gauge({.name = "g", .place = element, .fibre = Eigen::Vector2d(0.0, 5e-3)}).reduce({}, {"tip"});
+  };
+  const auto model = reduce(with_gauge(3)).model;
+  const Eigen::VectorXd bent = Eigen::MatrixXd(model.stiffness).ldlt().solve(Eigen::VectorXd::Unit(model.size(), 2));
+  double strain = 0.0;
+  for (Eigen::Index i = 0; i < model.size(); ++i)
+    if (const auto own = model.gauges.at("g").find(model.dofs[static_cast<std::size_t>(i)]);
+        own != model.gauges.at("g").end())
+      strain += own->second * bent[i];
+  const double inertia = 0.02 * std::pow(0.01, 3) / 12.0, expected = -5e-3 * 0.75 / (210e9 * inertia);
+  EXPECT_NEAR(strain, expected, 1e-6 * std::abs(expected));
+  EXPECT_THAT(refusal_of([&] { reduce(with_gauge(30)); }), HasSubstr("strain gauge 'g' stands on element 30"));
+}
+
 TEST(FiniteElementParts, WrongNamesAreReportedTogether) {
   auto elements = cantilever().node("middle", 99).fix("rot").reduce({}, {"tup", "tip.q"});
   const auto message = refusal_of([&] { return reduce(elements); });

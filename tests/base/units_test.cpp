@@ -28,6 +28,12 @@ struct Case {
 // Values from the definitions of the SI (BIPM brochure, 9th edition) and of the international inch and pound (1959).
 TEST(Units, ConvertToSi) {
   const Case cases[] = {{"15 %", "-", 0.15},
+                        {"3 um/m", "-", 3e-6},
+                        {"3 ppm", "m/m", 3e-6},
+                        {"3 microstrain", "m/m", 3e-6},
+                        {"3 ustrain", "m/m", 3e-6},
+                        {"3 µε", "m/m", 3e-6},
+                        {"3 uE", "m/m", 3e-6},
                         {"3 mm", "m", 3e-3},
                         {"0.5 s", "s", 0.5},
                         {"20 kN/m", "N/m", 2e4},

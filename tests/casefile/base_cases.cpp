@@ -283,6 +283,9 @@ substructures:
         leg: {material: steel, beam: {section: {rectangle: {width: 20 mm, height: 10 mm}}, up: [0, 1, 0], offset: [0 mm, 0 mm, 0 mm]}}
         arm: {material: steel, beam: {section: {circular_tube: {diameter: 20 mm, wall: 2 mm}}, up: [0, 1, 0]}}
       nodes: {tip: 4, knee: 3, middle: [0, 0, 0.5], foot: 1}
+      gauges:
+        low: {element: 1, direction: [0, 0, 1], fibre: [5 mm, 0 mm], region: leg}
+        high: {at: [0, 0, 0.9], fibre: [5 mm, 0 mm]}
       masses: {head: {at: tip, mass: 1 kg, inertia: [1e-3, 1e-3, 1e-3], offset: [0 mm, 0 mm, 10 mm]}}
       fixed: {clamp: {nodes: foot, directions: [x, y, z, rx, ry, rz]}}
       mass_matrix: consistent
@@ -296,10 +299,11 @@ excitation:
   road: {base_displacement: wheel.ground, random: {rms: 1 mm, band: [0.5, 30 Hz], fade_in: 0.1 s}}
 sensors:
   a: {acceleration: mast.tip.z, noise: 5 %}
+  s: {strain: mast.low, noise: 1 um/m}
 simulate: {duration: 0.5 s, sample_rate: 200 Hz, tolerance: 0.1, reference: superelement, modes_up_to: 900 Hz}
 estimate: {unknown: {mount.k: {initial: 9e3, std: 20 %}}, settle: 0.1 s}
 predict: {substructure: mast}
-report: {fields: {substructure: mast, every: 0.1 s}, modes: 3, superelements: [matrix_market]}
+report: {fields: {substructure: mast, every: 0.1 s}, modes: 3, strains: [mast.high], superelements: [matrix_market]}
 )";
 
 const std::string inferring = R"yaml(kalfem: 1

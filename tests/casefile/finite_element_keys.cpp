@@ -284,6 +284,38 @@ void weighted_points() {
   near(dofs.squaredNorm(), 4.25);
 }
 
+/// Coefficients of the strain at the gauge `g` of the cantilever, over a motion of its tip.
+double strain_per_tip(const std::string& gauge, const std::string& motion) {
+  const auto study = with_beam("gauges: {g: {" + gauge + "}}");
+  return study.model->strain("b.g").dot(study.model->motion("b.tip." + motion).dofs);
+}
+
+/// Each beam is 0.5 m long: the curvature at its middle is the difference of the rotations over the length.
+void gauges() {
+  near(strain_per_tip("element: 2", "x"), 2.0, many_roundings);
+  near(strain_per_tip("at: [0.8, 0, 0]", "x"), 2.0, many_roundings);
+  EXPECT_EQ(strain_per_tip("element: 1", "x"), 0.0);
+  near(strain_per_tip("at: 3", "x"), 2.0, many_roundings);
+  near(strain_per_tip("at: [0.5, 0, 0], region: bar, direction: [2, 0, 0]", "x"), 0.0);
+  near(strain_per_tip("element: 2, fibre: [0, 4 mm]", "ry"), 2.0 * 4e-3, many_roundings);
+  near(strain_per_tip("element: 2, fibre: [4 mm, 0]", "rz"), -2.0 * 4e-3, many_roundings);
+}
+
+/// A square plate that is held at one edge and bends about it.
+void gauges_on_shells() {
+  const auto study = with_mesh(
+      "gauges: {top: {at: [0.5, 0.5, 0], direction: [1, 0, 0], surface: top}, "
+      "middle: {at: [0.5, 0.5, 0], direction: [1, 0, 0], surface: middle}, "
+      "bottom: {at: [0.5, 0.5, 0], direction: [1, 0, 0], surface: bottom}}, nodes: {a: 2, b: 3}");
+  const auto bent = [&](const std::string& gauge) {
+    const Eigen::VectorXd turn = study.model->motion("b.a.ry").dofs + study.model->motion("b.b.ry").dofs;
+    return study.model->strain("b." + gauge).dot(turn);
+  };
+  near(bent("top"), 5e-3, many_roundings);  // u = z theta_y: half the thickness over the length of 1 m
+  near(bent("bottom"), -5e-3, many_roundings);
+  EXPECT_NEAR(bent("middle"), 0.0, 1e-15);
+}
+
 void placed_bodies() {
   const auto study = with_beam(
       "masses: {motor: {at: tip, mass: 3 kg, inertia: [0.1, 0.2, 0.3], offset: [0, 40 mm, 50 mm]}, "
@@ -514,6 +546,8 @@ KeyChecks finite_element_keys() {
       beam_sections);
   add(at + "regions.*.beam.", {"up", "offset"}, beam_placements);
   add(at, {"nodes"}, named_nodes);
+  add(at + "gauges.*.", {"at", "element", "direction", "fibre", "region"}, gauges);
+  add(at + "gauges.*.", {"surface"}, gauges_on_shells);
   add(at + "masses.*.", {"at", "mass", "inertia", "offset"}, placed_bodies);
   add(at + "links.*.", {"master", "nodes", "directions"}, rigid_links);
   add(at + "fixed.*.", {"nodes", "directions"}, supports);

@@ -54,6 +54,29 @@ void displacements() {
   EXPECT_EQ(shown(""), (Titles{"Displacement of s.a", "Displacement of s.b"}));
 }
 
+/// Strains that are not measured are shown if the case names none.
+void strains() {
+  const auto shown = [](const std::string& report) {
+    const std::string gauges = "gauges: {g: {element: 1}, h: {element: 2}}";
+    const auto study =
+        study_of(beam_case({{"substructures", "{b: {finite_elements: {" + beam_elements(gauges) + "}}}"},
+                            {"sensors", "{y: {strain: b.g, noise: 5 %}, a: {acceleration: b.tip.z, noise: 5 %}}"},
+                            {"estimate", "{settle: 0 s}"},
+                            {"report", report}}));
+    std::vector<std::string> titles;
+    for (const auto& section : make_page(study, run(study, Step::estimate)).sections)
+      for (const auto& item : section.items)
+        if (const auto* chart = std::get_if<Chart>(&item);
+            chart && chart->title.starts_with("Strain at") && !chart->x_window)
+          titles.push_back(chart->title);
+    return titles;
+  };
+  using Titles = std::vector<std::string>;
+  EXPECT_EQ(shown("{strains: b.g}"), (Titles{"Strain at b.g"}));
+  EXPECT_EQ(shown("{strains: [b.h, b.g]}"), (Titles{"Strain at b.h", "Strain at b.g"}));
+  EXPECT_EQ(shown(""), (Titles{"Strain at b.h"}));
+}
+
 void zooms() {
   for (const auto& chart : displacement_charts("{displacements: s.a, zoom: 0.2 s}"))
     if (chart.x_window) {

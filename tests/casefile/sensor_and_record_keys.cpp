@@ -39,6 +39,36 @@ void connector_quantities() {
   EXPECT_EQ(seen("rate: c"), (Eigen::Matrix<double, 3, 2>{{0, 0}, {-1, 1}, {0, 0}}));
 }
 
+/// Noise of a strain is a strain, unless it is in per cent.
+void strains() {
+  const auto sensor = [](const std::string& text) {
+    const std::string gauges = "gauges: {g: {element: 2}, h: {element: 1}}";
+    return study_of(beam_case({{"substructures", "{b: {finite_elements: {" + beam_elements(gauges) + "}}}"},
+                               {"sensors", "{y: {" + text + "}}"}}));
+  };
+  const auto row = [&](const std::string& strain) -> Eigen::VectorXd {
+    const auto study = sensor("strain: " + strain + ", noise: 1e-6");
+    return Eigen::MatrixXd(make_outputs(*study.model, {study.sensors[0].output}).displacement).row(0).transpose();
+  };
+  const auto study = sensor("strain: b.g, noise: 1e-6");
+  EXPECT_EQ(study.sensors[0].unit, "m/m");
+  EXPECT_FALSE(study.sensors[0].relative_noise);
+  near(row("b.g"), study.model->strain("b.g"));
+  near(row("{b.g: 0.5, b.h: -0.5}"), 0.5 * (study.model->strain("b.g") - study.model->strain("b.h")));
+  for (const char* noise : {"2 um/m", "2 ppm", "2 microstrain", "2 µε", "0.002 mm/m"}) {
+    const auto absolute = sensor("strain: b.g, noise: " + std::string(noise)).sensors[0];
+    EXPECT_FALSE(absolute.relative_noise) << noise;
+    near(absolute.noise, 2e-6, many_roundings);
+  }
+  const auto relative = sensor("strain: b.g, noise: 2 %").sensors[0];
+  EXPECT_TRUE(relative.relative_noise);
+  near(relative.noise, 0.02);
+  EXPECT_THROW(sensor("strain: b.g, noise: 1"), InvalidInput);  // a strain of 100 %
+  EXPECT_THROW(sensor("strain: b.g, noise: 1 um"), InvalidInput);
+  EXPECT_THROW(sensor("strain: b.tip, noise: 1e-6"), InvalidInput);
+  EXPECT_THROW(sensor("displacement: b.g, noise: 1e-6"), InvalidInput);
+}
+
 /// A load cell feels the mass that it carries: f + m a of the end `to`, f - m a of the end `from`.
 void load_cells_with_mass() {
   const auto carried = [](const std::string& more) {
@@ -449,6 +479,7 @@ KeyChecks sensor_and_record_keys() {
   };
   add("sensors.*.", {"displacement", "velocity", "acceleration"}, motions);
   add("sensors.*.", {"force", "deformation", "rate"}, connector_quantities);
+  add("sensors.*.", {"strain"}, strains);
   add("sensors.*.", {"mass", "mass_at"}, load_cells_with_mass);
   add("sensors.*.", {"file"}, channels_of_other_files);
   add("sensors.*.", {"relative"}, relative_to_the_base);

@@ -8,6 +8,7 @@
 #include "kalfem/model/statics/stresses.hpp"
 #include "model/element_helpers.hpp"
 #include "model/fe_models.hpp"
+#include "model/plate_patch.hpp"
 #include "model/shell_models.hpp"
 #include "model/solid_models.hpp"
 
@@ -65,23 +66,6 @@ TEST(StressPatch, ConstantStressOfDistortedSolidsIsExactEverywhere) {
       }
     }
 }
-
-/// A distorted plate, turned in space, under membrane strains e and curvatures k [xx yy 2xy] of its own plane.
-struct PlatePatch {
-  Vector3d e, k;
-  Matrix3d turn = some_turn();
-  double offset = 0.0;
-
-  /// Motions of the node at the place x, y of the plate, whose mid-surface is off it.
-  [[nodiscard]] VectorXd motions(double x, double y) const {
-    const double slope_x = -(k[0] * x + 0.5 * k[2] * y), slope_y = -(k[1] * y + 0.5 * k[2] * x);
-    Vector3d moved(e[0] * x + 0.5 * e[2] * y, e[1] * y + 0.5 * e[2] * x,
-                   -0.5 * (k[0] * x * x + k[1] * y * y + k[2] * x * y));
-    const Vector3d rotation(slope_y, -slope_x, 0.0);
-    moved -= rotation.cross(Vector3d(0.0, 0.0, offset));
-    return (VectorXd(6) << turn * moved, turn * rotation).finished();
-  }
-};
 
 TEST(StressPatch, ConstantStressOfDistortedShellsIsExactInEveryLayer) {
   for (const auto shape : {CellShape::triangle3, CellShape::quadrilateral4})

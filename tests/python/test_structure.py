@@ -239,6 +239,21 @@ def test_a_deck_becomes_a_substructure(tmp_path):
         kf.read_deck(bar(tmp_path), units="furlong t s")
 
 
+def test_a_gauge_measures_the_strain_of_its_element(tmp_path):
+    frame = kf.read_deck(bar(tmp_path), units="mm t s").fix("foot")
+    s = kf.Structure().add(frame.gauge("g", 2).rayleigh_damping(0, 1e-4)).force("pull", "bar.tip.x")
+    t = np.arange(101) / RATE
+    pull = 1000 * np.sin(np.pi * t / t[-1]) ** 4  # slow beside the first frequency along the bar, 1.2 kHz
+    strain = kf.strain("bar.g", noise="1 um/m")
+    assert strain.unit == "m/m" and strain.noise == pytest.approx(1e-6)
+    data = kf.simulate(s, t, sensors={"g": kf.strain("bar.g")}, inputs={"pull": pull}, progress=False)
+    assert data["g"].max() == pytest.approx(1000 / (210e9 * 20e-3 * 10e-3), rel=1e-3)  # F / E A
+    with pytest.raises(kf.InvalidInput, match="strain gauge 'g' stands on element 7"):
+        kf.modes(kf.Structure().add(frame.gauge("g", 7)))
+    with pytest.raises(kf.InvalidInput, match="surface: 'outside'"):
+        frame.gauge("g", 2, surface="outside")
+
+
 def test_an_estimate_on_a_structure_from_matrices():
     t, u, data = record()
     s = kf.Structure().add(kf.lumped("wheel").mass("w", 1.5).spring("k_w", "ground", "w", 2e4))

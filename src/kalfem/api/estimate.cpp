@@ -115,6 +115,7 @@ const T& named(const std::vector<T>& all, const std::string& name, const char* w
 OutputDescription displacement(const std::string& point) { return at(ObservedQuantity::displacement, point); }
 OutputDescription velocity(const std::string& point) { return at(ObservedQuantity::velocity, point); }
 OutputDescription acceleration(const std::string& point) { return at(ObservedQuantity::acceleration, point); }
+OutputDescription strain(const std::string& gauge) { return at(ObservedQuantity::strain, gauge); }
 OutputDescription connector_force(const std::string& connector) {
   return at(ObservedQuantity::connector_force, connector);
 }

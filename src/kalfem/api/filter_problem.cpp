@@ -96,13 +96,15 @@ Sensor sensor_of(const SensorDescription& given, const CoupledModel& model) {
   return sensor;
 }
 
-/// Displacement and velocity of every reported point.
+/// Displacement and velocity of every reported point, and the strain of every gauge.
 std::vector<OutputDescription> motions_of(const CoupledModel& model) {
   std::vector<OutputDescription> outputs;
   for (const auto& point : model.reported_points()) {
     outputs.push_back({point + ".displacement", ObservedQuantity::displacement, {{point, 1.0}}});
     outputs.push_back({point + ".velocity", ObservedQuantity::velocity, {{point, 1.0}}});
   }
+  for (const auto& gauge : model.gauges())
+    outputs.push_back({gauge + ".strain", ObservedQuantity::strain, {{gauge, 1.0}}});
   return outputs;
 }
 

@@ -15,6 +15,7 @@ struct FiniteElementsAccess {
   const FiniteElements& of;
 
   [[nodiscard]] const auto& nodes() const { return of.nodes_; }
+  [[nodiscard]] const auto& gauges() const { return of.gauges_; }
   [[nodiscard]] const auto& fixed() const { return of.fixed_; }
   [[nodiscard]] const auto& boundary() const { return of.boundary_; }
   [[nodiscard]] const auto& damping() const { return of.damping_; }
@@ -71,6 +72,7 @@ public:
   FiniteElementPart build() {
     for (const auto& [number, value] : given_.numbers()) set_in_model(part_.elements, number, value);
     find_nodes();
+    place_gauges();
     hold_fixed();
     const auto kept = kept_dofs();
     issues_.raise();
@@ -102,7 +104,9 @@ private:
         else
           set_damping(part_.damping, parameter, value);
       }
+    auto gauges = std::move(part_.full.gauges);
     part_.full = linear_model(part_.elements, part_.assembled, part_.nodes, part_.damping.rayleigh);
+    part_.full.gauges = std::move(gauges);
     part_.full.points_only = true;
     part_.factor = nullptr;  // of K before the change
   }
@@ -126,6 +130,14 @@ private:
       else
         part_.nodes.push_back({name, node});
     }
+  }
+
+  void place_gauges() {
+    for (const auto& gauge : given_.gauges()) try {
+        part_.gauges.push_back(place_gauge(part_.elements, gauge));
+      } catch (const InvalidInput& error) {
+        issues_.add(error, {});
+      }
   }
 
   /// Index of a named node; -1, with an issue, if there is none.
@@ -192,6 +204,11 @@ FiniteElements& FiniteElements::node(const std::string& name, std::int64_t numbe
 
 FiniteElements& FiniteElements::node(const std::string& name, const Eigen::Vector3d& place) {
   nodes_.push_back({name, place});
+  return *this;
+}
+
+FiniteElements& FiniteElements::gauge(GaugeDescription gauge) {
+  gauges_.push_back(std::move(gauge));
   return *this;
 }
 

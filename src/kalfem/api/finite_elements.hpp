@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "kalfem/model/finite_element_model.hpp"
+#include "kalfem/model/gauges/gauge_placement.hpp"
 #include "kalfem/reduction/superelement.hpp"
 
 namespace kalfem {
@@ -26,6 +27,9 @@ public:
   FiniteElements& node(const std::string& name, std::int64_t number);
   /// Names the node that is nearest to a place [m].
   FiniteElements& node(const std::string& name, const Eigen::Vector3d& place);
+  /// Bonds a strain gauge to an element: gauge({.name = "g1", .place = Eigen::Vector3d(0.5, 0.0, 0.06), .direction =
+  /// Eigen::Vector3d::UnitX(), .surface = Layer::top}). Its strain is strain("frame.g1").
+  FiniteElements& gauge(GaugeDescription gauge);
   /// Holds all six motions of a named node.
   FiniteElements& fix(const std::string& node);
   /// Damping ratios, one per mode; the last one applies to all further modes up to a frequency [Hz].
@@ -55,6 +59,7 @@ private:
   std::string name_;
   FiniteElementModel model_;
   std::vector<NodePlace> nodes_;
+  std::vector<GaugeDescription> gauges_;
   std::vector<std::string> fixed_, boundary_;
   Damping damping_;
   std::optional<ReductionRequest> reduction_;

@@ -15,6 +15,8 @@ OutputDescription acceleration(const std::string& point);  ///< [m/s^2]
 OutputDescription connector_force(const std::string& connector);        ///< [N]
 OutputDescription connector_deformation(const std::string& connector);  ///< [m]
 OutputDescription connector_rate(const std::string& connector);         ///< [m/s]
+/// Strain of a gauge of finite elements, FiniteElements::gauge().
+OutputDescription strain(const std::string& gauge);  ///< [m/m]
 
 /// A sensor: {"a3", acceleration("body.2"), 0.3}.
 struct SensorDescription {

@@ -68,6 +68,9 @@ ResponseQuantity quantity_of(const OutputDescription& output) {
       return ResponseQuantity::velocity;
     case ObservedQuantity::acceleration:
       return ResponseQuantity::acceleration;
+    case ObservedQuantity::strain:
+      throw InvalidInput("output '" + point_of(output) + "' is of a strain gauge",
+                         "frequency responses are motions of points", "ask for the motion of a node");
     default:
       throw InvalidInput("output '" + point_of(output) + "' is of a connector",
                          "frequency responses are motions of points", "ask for the motion of its ends");

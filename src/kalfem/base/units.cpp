@@ -41,6 +41,13 @@ constexpr NamedUnit named_units[] = {
     {"W", true, 1.0, {2, 1, -3}},
     {"V", true, 1.0, {2, 1, -3, 0, -1}},
     {"%", false, 1e-2, {}},
+    {"ppm", false, 1e-6, {}},
+    {"strain", true, 1.0, {}},
+    {"ε", true, 1.0, {}},
+    {"microstrain", false, 1e-6, {}},
+    {"uE", false, 1e-6, {}},
+    {"µE", false, 1e-6, {}},
+    {"μE", false, 1e-6, {}},
     {"-", false, 1.0, {}},
     {"deg", false, pi / 180.0, {0, 0, 0, 0, 0, 1}},
     {"°", false, pi / 180.0, {0, 0, 0, 0, 0, 1}},
@@ -297,7 +304,7 @@ std::optional<Unit> unit_with_gravity(std::string_view text, const Dimension& wa
 }  // namespace
 
 bool operator==(const Quantity& a, const Quantity& b) {
-  return a.value == b.value && a.dimension == b.dimension && a.bare == b.bare;
+  return a.value == b.value && a.dimension == b.dimension && a.bare == b.bare && a.per_cent == b.per_cent;
 }
 
 Unit parse_unit(std::string_view text) { return UnitParser(text).parse(); }
@@ -332,7 +339,7 @@ Quantity parse_quantity(std::string_view text) {
   const Unit unit = parse_unit(unit_text);
   const double value = number * unit.factor;
   if (!std::isfinite(value)) throw InvalidInput(shown, "the number is too large", "");
-  return {value, unit.dimension, false};
+  return {value, unit.dimension, false, unit_text == "%"};
 }
 
 // The radian is a ratio, so angles compare with pure numbers. Rates are the exception: 1 Hz is 2 pi rad/s, and an

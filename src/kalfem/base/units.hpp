@@ -19,11 +19,13 @@ struct Unit {
   Dimension dimension;
 };
 
-/// A number as a user gave it, converted to SI. `bare` says that no unit was written: then it is SI already.
+/// A number as a user gave it, converted to SI. `bare` says that no unit was written: then it is SI already. `per_cent`
+/// tells "1 %" from "0.01 m/m", which have the same dimension.
 struct Quantity {
   double value = 0.0;
   Dimension dimension;
   bool bare = true;
+  bool per_cent = false;
 };
 /// Equal value and meaning: a bare number equals only a bare number.
 bool operator==(const Quantity& a, const Quantity& b);

@@ -122,12 +122,14 @@ Schema<Sensor> sensor() {
   using enum ObservedQuantity;
   return mapping(
       Fields<Sensor>()
-          .one_of(&Sensor::observed, observing<displacement>("displacement", "point", "absolute displacement [m]"),
-                  observing<velocity>("velocity", "point", "absolute velocity [m/s]"),
-                  observing<acceleration>("acceleration", "point", "absolute acceleration [m/s^2]"),
-                  observing<connector_force>("force", "connector", "force of a connector [N]"),
-                  observing<connector_deformation>("deformation", "connector", "deformation of a connector [m]"),
-                  observing<connector_rate>("rate", "connector", "deformation rate of a connector [m/s]"))
+          .one_of(
+              &Sensor::observed, observing<displacement>("displacement", "point", "absolute displacement [m]"),
+              observing<velocity>("velocity", "point", "absolute velocity [m/s]"),
+              observing<acceleration>("acceleration", "point", "absolute acceleration [m/s^2]"),
+              observing<connector_force>("force", "connector", "force of a connector [N]"),
+              observing<connector_deformation>("deformation", "connector", "deformation of a connector [m]"),
+              observing<connector_rate>("rate", "connector", "deformation rate of a connector [m/s]"),
+              observing<strain>("strain", "gauge", "strain of a gauge of finite elements, or a weighted sum of some"))
           .optional("relative", &Sensor::relative, boolean(), "measure relative to the accelerated base")
           .required("noise", &Sensor::noise, value(),
                     "standard deviation of the noise: per cent of the channel's rms, or in the sensor's unit")
@@ -298,6 +300,8 @@ Schema<Case> case_schema() {
                     "number of lowest modes computed and listed for a finite-element substructure")
           .optional("displacements", &Report::displacements, one_or_list(name()),
                     "points whose displacement is plotted; default: the first points of the predicted substructure")
+          .optional("strains", &Report::strains, one_or_list(name()),
+                    "gauges whose strain is plotted; default: the first gauges that are no sensors")
           .optional("superelements", &Report::superelements,
                     located(one_or_list(choice<MatrixFormat>(
                         {{"matrix_market", MatrixFormat::matrix_market, "K, M and C, with a file that names the rows"},

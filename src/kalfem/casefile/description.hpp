@@ -118,7 +118,8 @@ struct Observed {
 using ObservedPoints =
     std::variant<Observed<ObservedQuantity::displacement>, Observed<ObservedQuantity::velocity>,
                  Observed<ObservedQuantity::acceleration>, Observed<ObservedQuantity::connector_force>,
-                 Observed<ObservedQuantity::connector_deformation>, Observed<ObservedQuantity::connector_rate>>;
+                 Observed<ObservedQuantity::connector_deformation>, Observed<ObservedQuantity::connector_rate>,
+                 Observed<ObservedQuantity::strain>>;
 enum class ConnectorEnd { from, to };
 struct Sensor {
   ObservedPoints observed;
@@ -219,6 +220,7 @@ struct Report {
   int frequencies = 0;
   double zoom = 1.0;
   Located<std::vector<MatrixFormat>> superelements;
+  std::vector<Name> strains;
 };
 
 struct Case {

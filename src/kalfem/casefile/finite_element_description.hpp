@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -62,6 +63,17 @@ struct NodePlace {
   std::string group;
   std::array<double, 3> at{};  ///< used if there is no group [m]
 };
+/// A strain gauge, see GaugeDescription. One of `at` and `element`.
+struct GaugeElement {
+  std::int64_t number = 0;
+};
+struct Gauge {
+  std::variant<Located<NodePlace>, GaugeElement> place;
+  std::optional<std::array<double, 3>> direction;
+  std::optional<Layer> surface;
+  std::optional<std::array<double, 2>> fibre;  ///< [m]
+  std::optional<Name> region;
+};
 struct NodeMass {
   Name at;
   double mass = 0.0;
@@ -110,6 +122,7 @@ struct FiniteElements {
   Named<Material> materials;
   Named<Region> regions;
   Named<Located<NodePlace>> nodes;
+  Named<Located<Gauge>> gauges;
   Named<NodeMass> masses;
   Named<Link> links;
   Named<Fixed> fixed;

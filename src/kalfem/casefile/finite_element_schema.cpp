@@ -94,6 +94,29 @@ Schema<NodePlace> node_place() {
   return make_schema<NodePlace>(read, write, either_schema(group.json_schema(), place.json_schema()));
 }
 
+Schema<Gauge> gauge() {
+  const auto element = convert<GaugeElement>(
+      integer(1, std::numeric_limits<int>::max()), [](int number) { return GaugeElement{number}; },
+      [](const GaugeElement& given) { return static_cast<int>(given.number); });
+  return mapping(
+      Fields<Gauge>()
+          .one_of(&Gauge::place,
+                  when("at", located(node_place()),
+                       "where it is bonded: coordinates [x, y, z] (the nearest element), or a group or node"),
+                  when("element", element, "element of the mesh or deck by its number; the gauge is at its centre"))
+          .optional("direction", &Gauge::direction, tuple<3>(number("-")),
+                    "direction that it measures along, in global axes, laid into the surface of a shell; not needed "
+                    "on a beam")
+          .optional("surface", &Gauge::surface,
+                    choice<Layer>({{"top", Layer::top, "on the side of the element's normal"},
+                                   {"middle", Layer::middle, "strain of the mid-surface, without bending"},
+                                   {"bottom", Layer::bottom, "on the other side"}}),
+                    "side of a shell; required there")
+          .optional("fibre", &Gauge::fibre, tuple<2>(number("m", plausible::position())),
+                    "place in a beam's section, local y and z from its centroid; default: the centroid")
+          .optional("region", &Gauge::region, name(), "only elements of this region count; default: all"));
+}
+
 Schema<NodeMass> node_mass() {
   return mapping(Fields<NodeMass>()
                      .required("at", &NodeMass::at, name(), "name of one of `nodes`")
@@ -203,6 +226,8 @@ Schema<FiniteElements> finite_elements() {
           .optional("nodes", &FiniteElements::nodes, named(located(node_place())),
                     "named nodes, whose motion is substructure.name.x ... rz: a group or set of one node, a node "
                     "number, or coordinates [x, y, z] (the nearest node)")
+          .optional("gauges", &FiniteElements::gauges, named(located(gauge())),
+                    "strain gauges, whose strain is substructure.name: of sensors, and to be predicted")
           .optional("masses", &FiniteElements::masses, named(node_mass()), "rigid bodies (point masses) at nodes")
           .optional("links", &FiniteElements::links, named(link()), "rigid links (RBE2)")
           .optional("fixed", &FiniteElements::fixed, named(fixed()), "supports: nodes that do not move")

@@ -10,6 +10,7 @@ inline Bounds mass() { return Bounds::between(1e-21, 1e15); }       ///< [kg], o
 inline Bounds coefficient() { return Bounds::between(0.0, 1e20); }  ///< of springs and dashpots
 inline Bounds length() { return {.low = 0.0, .high = 1e9, .low_open = true}; }      ///< [m]
 inline Bounds position() { return Bounds::between(-1e9, 1e9); }                     ///< [m]
+inline Bounds strain() { return Bounds::between(0.0, 0.2); }                        ///< [m/m], of rubber in service
 inline Bounds modulus() { return Bounds::between(1e-3, 1e18); }                     ///< [Pa]
 inline Bounds density() { return Bounds::between(0.0, 1e9); }                       ///< [kg/m^3]
 inline Bounds frequency() { return {.low = 0.0, .high = 1e12, .low_open = true}; }  ///< [Hz]

@@ -107,6 +107,7 @@ void assemble_part(FiniteElementPart& part, const AssemblyOptions& options) {
   part.mass = mass_properties(part.assembled);
   part.moving_mass = moving_mass(part.elements, part.assembled);
   part.full = linear_model(part.elements, part.assembled, part.nodes, part.damping.rayleigh);
+  part.full.gauges = gauge_combinations(part.elements, part.assembled, part.gauges);
   part.full.points_only = true;
 }
 

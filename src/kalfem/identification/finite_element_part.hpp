@@ -9,6 +9,7 @@
 #include "kalfem/model/assembly/assembly.hpp"
 #include "kalfem/model/assembly/fe_linear_model.hpp"
 #include "kalfem/model/assembly/rigid_body.hpp"
+#include "kalfem/model/gauges/strain_gauge.hpp"
 #include "kalfem/reduction/superelement.hpp"
 
 namespace kalfem {
@@ -26,13 +27,14 @@ struct FiniteElementPart {
   std::shared_ptr<const StiffnessFactor> factor = {};  ///< of `full`, where it is at hand
   LinearModel full;                                    ///< with its damping
   FiniteElementDamping damping;                        ///< included in `full`, with its dashpots
-  std::vector<std::string> boundary;  ///< names of the degrees of freedom that the rest of the structure touches
+  std::vector<std::string> boundary;     ///< names of the degrees of freedom that the rest of the structure touches
+  std::vector<StrainGauge> gauges = {};  ///< whose strains are gauges of `full`
 };
 using FiniteElementPartPtr = std::shared_ptr<const FiniteElementPart>;
 
-/// Assembles what the part's `elements`, `preload_stiffness`, `nodes` and `damping` say: matrices, masses, and the full
-/// model with Rayleigh damping and dashpots, without modal damping. Throws InvalidInput as assemble() does, and where
-/// the elements do not hang together or are a mechanism, or the preload is beyond the buckling load.
+/// Assembles what the part's `elements`, `preload_stiffness`, `nodes`, `gauges` and `damping` say: matrices, masses,
+/// and the full model with Rayleigh damping and dashpots, without modal damping. Throws InvalidInput as assemble()
+/// does, and where the elements do not hang together or are a mechanism, or the preload is beyond the buckling load.
 void assemble_part(FiniteElementPart& part, const AssemblyOptions& options);
 
 /// A finite-element substructure in the orders of model that are used beside each other.

@@ -53,6 +53,7 @@ struct LinearModel {
 
   Eigen::VectorXd coordinate_scale;  ///< coordinate per displacement of a typical point: 1, or sqrt(mass) of a
                                      ///< mass-normalised mode; empty: all 1
+  std::map<std::string, DofCombination> gauges = {};  ///< strains at named gauges, coefficients [1/m] or [1/rad]
 
   [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(dofs.size()); }
 };

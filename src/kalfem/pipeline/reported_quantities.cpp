@@ -29,6 +29,7 @@ std::vector<OutputDescription> reported_quantities(const CoupledModel& model) {
     if (!carries_signal(connector))
       for (const auto quantity : connector_quantities)
         outputs.push_back({connector.name, quantity, {{connector.name, 1.0}}, false});
+  for (const auto& gauge : model.gauges()) outputs.push_back({gauge, ObservedQuantity::strain, {{gauge, 1.0}}, false});
   return outputs;
 }
 
@@ -45,7 +46,12 @@ void compare(PointQuantity& quantity, const Eigen::VectorXd& truth, const Compar
   if (count < 1 || truth.size() != quantity.mean.size()) return;
   const Eigen::VectorXd mean = quantity.mean.tail(count), expected = truth.tail(count);
   if (const double error = nrmse(mean, expected); std::isfinite(error)) quantity.nrmse = error;
-  if (!comparison.band || count < 2 || quantity.quantity != ObservedQuantity::acceleration) return;
+  const bool strain = quantity.quantity == ObservedQuantity::strain;
+  if (strain && quantity.deviation.size() == truth.size()) {
+    const Eigen::ArrayXd half_width = 1.96 * quantity.deviation.tail(count).array();
+    quantity.coverage = ((mean - expected).array().abs() <= half_width).cast<double>().mean();
+  }
+  if (!comparison.band || count < 2 || (!strain && quantity.quantity != ObservedQuantity::acceleration)) return;
   const double error = nrmse_in_band(mean, expected, comparison.sample_rate, *comparison.band);
   if (std::isfinite(error)) quantity.nrmse_in_band = error;
 }

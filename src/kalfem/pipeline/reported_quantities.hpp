@@ -7,7 +7,7 @@
 namespace kalfem {
 
 /// The reported quantities of a model: displacement, velocity and acceleration of its reported points, then
-/// deformation, rate and force of its connectors.
+/// deformation, rate and force of its connectors, and the strain of its gauges.
 std::vector<OutputDescription> reported_quantities(const CoupledModel& model);
 
 /// The quantity of that point or connector; nullptr if it is not among them.
@@ -21,7 +21,8 @@ struct Comparison {
   std::optional<FrequencyBand> band;
 };
 
-/// Sets the truth and the error against it; of an acceleration also the error in the band.
+/// Sets the truth and the error against it; of an acceleration or a strain also the error in the band, of
+/// a strain with a deviation the coverage of its 95 % band.
 void compare(PointQuantity& quantity, const Eigen::VectorXd& truth, const Comparison& comparison);
 
 /// Modes of every substructure that has degrees of freedom: all of a lumped one, the lowest `count` of finite elements.

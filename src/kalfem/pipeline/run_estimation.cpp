@@ -31,6 +31,8 @@ std::string words_of(ObservedQuantity quantity) {
       return "deformation rate";
     case ObservedQuantity::connector_force:
       return "force";
+    case ObservedQuantity::strain:
+      return "strain";
   }
   return "";
 }

@@ -68,23 +68,27 @@ PredictionStart start_of(const EstimationOutcome& estimation, const Place& place
   return start;
 }
 
-/// Names and rows of the reported points of the substructure, its boundary among them.
+/// Names and rows of the reported points of the substructure, its boundary among them, and behind them of its gauges.
 struct ReportedRows {
-  std::vector<std::string> names;
+  std::vector<std::string> points, gauges;
   SparseRows rows;
 };
 
 ReportedRows reported_rows(const CoupledModel& model, const Place& place) {
   ReportedRows reported;
   std::vector<Eigen::Triplet<double>> entries;
-  for (const auto& name : model.reported_points()) {
-    if (!name.starts_with(place.part.name + ".")) continue;
-    const VectorXd dofs = model.motion(name).dofs.segment(place.offset, place.part.model->size());
+  const auto own = [&](const std::string& name) { return name.starts_with(place.part.name + "."); };
+  const auto add = [&](const VectorXd& all, Index row) {
+    const VectorXd dofs = all.segment(place.offset, place.part.model->size());
     for (Index i = 0; i < dofs.size(); ++i)
-      if (dofs[i] != 0.0) entries.emplace_back(static_cast<Index>(reported.names.size()), i, dofs[i]);
-    reported.names.push_back(name);
-  }
-  reported.rows.resize(static_cast<Index>(reported.names.size()), place.part.model->size());
+      if (dofs[i] != 0.0) entries.emplace_back(row, i, dofs[i]);
+  };
+  std::ranges::copy_if(model.reported_points(), std::back_inserter(reported.points), own);
+  std::ranges::copy_if(model.gauges(), std::back_inserter(reported.gauges), own);
+  Index row = 0;
+  for (const auto& point : reported.points) add(model.motion(point).dofs, row++);
+  for (const auto& gauge : reported.gauges) add(model.strain(gauge), row++);
+  reported.rows.resize(row, place.part.model->size());
   reported.rows.setFromTriplets(entries.begin(), entries.end());
   return reported;
 }
@@ -101,26 +105,31 @@ PredictionOutcome run_prediction(const Study& study, const CoupledModel& model, 
   const auto& estimation = *results.estimation;
   PredictionOutcome outcome{study.prediction->substructure.value, {}, 0.0};
   const DrivenSubstructure drive(*study.structure, model, outcome.substructure);
-  const auto [names, rows] = reported_rows(model, drive.place());
+  const auto [points, gauges, rows] = reported_rows(model, drive.place());
   const auto samples = estimation.measurements.samples();
-  const auto base = [&](const std::vector<std::string>& points) {
-    return MatrixXd(base_accelerations(study, model, points, estimation.measurements.start, samples).transpose());
+  const auto base = [&](const std::vector<std::string>& names) {
+    return MatrixXd(base_accelerations(study, model, names, estimation.measurements.start, samples).transpose());
   };
   BoundaryMotion boundary = boundary_motion(study, estimation, drive.points());
   boundary.acceleration -= base(drive.points());
   auto motion = drive.predict(
       rows, boundary, start_of(estimation, drive.place()),
       {.sample_rate = study.sample_rate(), .newmark_substeps = study.prediction->substeps, .progress = progress});
-  motion.acceleration += base(names);
-  for (std::size_t i = 0; i < names.size(); ++i)
-    for (const auto& [quantity, predicted] :
-         {std::pair{displacement, &motion.displacement}, std::pair{acceleration, &motion.acceleration}}) {
-      PointQuantity point{names[i], quantity, predicted->row(static_cast<Index>(i)).transpose(), {}, {}, {}, {}};
-      if (results.simulation)
-        if (const auto* truth = find_quantity(results.simulation->points, names[i], quantity))
-          compare(point, truth->mean, {estimation.settled, study.sample_rate(), estimation.band});
-      outcome.points.push_back(std::move(point));
-    }
+  const auto n = static_cast<Index>(points.size());
+  motion.acceleration.topRows(n) += base(points);
+  const auto add = [&](const std::string& name, ObservedQuantity quantity, const VectorXd& predicted) {
+    PointQuantity point{name, quantity, predicted, {}, {}, {}, {}};
+    if (results.simulation)
+      if (const auto* truth = find_quantity(results.simulation->points, name, quantity))
+        compare(point, truth->mean, {estimation.settled, study.sample_rate(), estimation.band});
+    outcome.points.push_back(std::move(point));
+  };
+  for (Index i = 0; i < n; ++i) {
+    add(points[static_cast<std::size_t>(i)], displacement, motion.displacement.row(i));
+    add(points[static_cast<std::size_t>(i)], acceleration, motion.acceleration.row(i));
+  }
+  for (std::size_t i = 0; i < gauges.size(); ++i)
+    add(gauges[i], strain, motion.displacement.row(n + static_cast<Index>(i)));
   outcome.seconds = watch.seconds();
   return outcome;
 }

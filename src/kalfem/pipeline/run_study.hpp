@@ -37,7 +37,8 @@ struct PointQuantity {
   Eigen::VectorXd deviation;            ///< empty if not known
   Eigen::VectorXd truth;                ///< empty if not known
   std::optional<double> nrmse;          ///< against the truth, after settling
-  std::optional<double> nrmse_in_band;  ///< of an acceleration: the NRMSE of its part in the excitation's band
+  std::optional<double> nrmse_in_band;  ///< of accelerations and strains: the NRMSE in the excitation's band
+  std::optional<double> coverage = {};  ///< of strains: share of the truth in the 95 % band, after settling
 };
 
 /// The reference solution and the record made from it.
@@ -67,7 +68,7 @@ struct FieldSeries {
 
 /// The estimation with what a run reports of it. After a failure its series end with the last sample that was computed.
 struct EstimationOutcome : RecordEstimate {
-  /// Displacement, velocity, acceleration of points; deformation, rate, force of connectors.
+  /// Displacement, velocity, acceleration of points; deformation, rate, force of connectors; strain of gauges.
   std::vector<PointQuantity> points;
   std::vector<PointQuantity> smoothed_points;  ///< the same from the whole record, where the case asks for it
   /// With unknown inputs: motions and forces whose standard deviation is more than half of their size.

@@ -109,9 +109,8 @@ Superelement craig_bampton(const LinearModel& model, const std::vector<std::stri
   Superelement element = reduced(model, joined(boundary, options.also_kept), options);
   element.error_indicators.seconds = watch.seconds();
   if (options.error_indicators)
-    element.error_indicators.modes =
-        compare_modes(model, element.model, element.basis,
-                      comparison_band(element.error_indicators, options.compare_up_to), options.whole.get());
+    compare_modes(model, element, comparison_band(element.error_indicators, options.compare_up_to), options.whole.get(),
+                  element.error_indicators);
   return element;
 }
 

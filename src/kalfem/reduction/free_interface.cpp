@@ -182,9 +182,8 @@ Superelement free_interface(const LinearModel& model, const std::vector<std::str
   error_indicators.solves = kept.modes.solves + space.solves;
   error_indicators.seconds = watch.seconds();
   if (options.error_indicators)
-    error_indicators.modes =
-        compare_modes(model, element.model, element.basis, comparison_band(error_indicators, options.compare_up_to),
-                      options.whole.get());
+    compare_modes(model, element, comparison_band(error_indicators, options.compare_up_to), options.whole.get(),
+                  error_indicators);
   return element;
 }
 

@@ -64,21 +64,31 @@ SparseMatrix projected_stiffness(const SparseMatrix& stiffness, const MatrixXd& 
   return reduced.sparseView();
 }
 
-/// The points of the full model as combinations of the reduced degrees of freedom.
-std::map<std::string, DofCombination> projected_points(const LinearModel& model, const MatrixXd& T,
-                                                       const std::vector<std::string>& names) {
-  std::map<std::string, Index> places;
-  for (Index i = 0; i < model.size(); ++i) places.emplace(model.dofs[static_cast<std::size_t>(i)], i);
-  std::map<std::string, DofCombination> points;
-  for (const auto& [point, combination] : model.points) {
-    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(T.cols());
-    for (const auto& [dof, coefficient] : combination) row += coefficient * T.row(places.at(dof));
-    DofCombination& reduced = points[point];
-    for (Index j = 0; j < row.size(); ++j)
-      if (row[j] != 0.0) reduced[names[static_cast<std::size_t>(j)]] = row[j];
+/// Combinations of the full model's degrees of freedom as those of the reduced ones.
+class ProjectedCombinations {
+public:
+  ProjectedCombinations(const LinearModel& model, const MatrixXd& T, const std::vector<std::string>& names)
+      : T_(T), names_(names) {
+    for (Index i = 0; i < model.size(); ++i) places_.emplace(model.dofs[static_cast<std::size_t>(i)], i);
   }
-  return points;
-}
+
+  [[nodiscard]] std::map<std::string, DofCombination> of(const std::map<std::string, DofCombination>& named) const {
+    std::map<std::string, DofCombination> all;
+    for (const auto& [name, combination] : named) {
+      Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(T_.cols());
+      for (const auto& [dof, coefficient] : combination) row += coefficient * T_.row(places_.at(dof));
+      DofCombination& reduced = all[name];
+      for (Index j = 0; j < row.size(); ++j)
+        if (row[j] != 0.0) reduced[names_[static_cast<std::size_t>(j)]] = row[j];
+    }
+    return all;
+  }
+
+private:
+  const MatrixXd& T_;
+  const std::vector<std::string>& names_;
+  std::map<std::string, Index> places_;
+};
 
 }  // namespace
 
@@ -114,7 +124,9 @@ LinearModel projected_surroundings(const LinearModel& model, const MatrixXd& T, 
   reduced.damping = projected_damping(model, T);
   for (const auto& ground : model.grounds)
     reduced.grounds.push_back({ground.ground, T.transpose() * ground.stiffness, T.transpose() * ground.damping});
-  reduced.points = projected_points(model, T, names);
+  const ProjectedCombinations combinations(model, T, names);
+  reduced.points = combinations.of(model.points);
+  reduced.gauges = combinations.of(model.gauges);
   reduced.points_only = model.points_only;
   reduced.dofs = std::move(names);
   return reduced;
@@ -165,25 +177,50 @@ double comparison_band(const ReductionErrorIndicators& error_indicators, double 
   return highest > 0.0 ? highest * (1.0 + rounding_of_frequency) : error_indicators.next_left_out;
 }
 
+namespace {
+
+/// Largest difference of a gauge's strains in the full modes from those in the span of the recovered shapes, Phi Phi^T
+/// M phi, relative to the gauge's largest strain. `exact`, `shapes`: mass-normalised.
+std::map<std::string, double> compare_strains(const LinearModel& full, const MatrixXd& exact, const MatrixXd& shapes) {
+  std::map<std::string, Index> places;
+  for (Index i = 0; i < full.size(); ++i) places.emplace(full.dofs[static_cast<std::size_t>(i)], i);
+  const MatrixXd missing = exact - shapes * (shapes.transpose() * (full.mass * exact));
+  std::map<std::string, double> errors;
+  for (const auto& [gauge, combination] : full.gauges) {
+    Eigen::RowVectorXd strain = Eigen::RowVectorXd::Zero(exact.cols()), difference = strain;
+    for (const auto& [dof, coefficient] : combination) {
+      strain += coefficient * exact.row(places.at(dof));
+      difference += coefficient * missing.row(places.at(dof));
+    }
+    const double largest = strain.cwiseAbs().maxCoeff();
+    errors[gauge] = largest > 0.0 ? difference.cwiseAbs().maxCoeff() / largest : 0.0;
+  }
+  return errors;
+}
+
+}  // namespace
+
 // Each mode of the full model is looked for in the span of the reduced modes of its frequency, recovered by T: modes of
 // equal frequency may be any combination of each other, and a single MAC would call a good reduction bad.
-std::vector<ModeComparison> compare_modes(const LinearModel& full, const LinearModel& reduced, const MatrixXd& basis,
-                                          double up_to, const StiffnessFactor* whole) {
-  const NormalModes exact = lowest_normal_modes(full, reduced.size(), up_to, whole);
-  const Index finite = (reduced.mass.diagonal().array() > 0.0).count();
+void compare_modes(const LinearModel& full, const Superelement& reduced, double up_to, const StiffnessFactor* whole,
+                   ReductionErrorIndicators& error_indicators) {
+  const NormalModes exact = lowest_normal_modes(full, reduced.model.size(), up_to, whole);
+  const Index finite = (reduced.model.mass.diagonal().array() > 0.0).count();
   // Beyond the band as well, so that each full mode finds its own and those of the same frequency.
-  LowestModes own =
-      lowest_modes(reduced.stiffness, reduced.mass, {.count = std::min(finite, exact.frequencies.size() + 8)});
-  const MatrixXd shapes = basis * own.vectors;
+  LowestModes own = lowest_modes(reduced.model.stiffness, reduced.model.mass,
+                                 {.count = std::min(finite, exact.frequencies.size() + 8)});
+  const MatrixXd shapes = reduced.basis * own.vectors;
   // Small as it is, the reduced stiffness does not show how large the energies are that cancel in a rigid-body mode.
   for (Index i = 0; i < own.values.size() && moves_rigidly(full.stiffness, shapes.col(i)); ++i) own.values[i] = 0.0;
-  std::vector<ModeComparison> modes;
-  for (Index i = 0; i < std::min(exact.frequencies.size(), own.values.size()); ++i)
-    modes.push_back({.full = exact.frequencies[i],
-                     .reduced = frequency(own.values[i]),
-                     .mac = captured(full.mass * exact.shapes.col(i), shapes, own.values, i),
-                     .residual = residual(full, shapes.col(i), own.values[i])});
-  return modes;
+  const Index count = std::min(exact.frequencies.size(), own.values.size());
+  for (Index i = 0; i < count; ++i)
+    error_indicators.modes.push_back({.full = exact.frequencies[i],
+                                      .reduced = frequency(own.values[i]),
+                                      .mac = captured(full.mass * exact.shapes.col(i), shapes, own.values, i),
+                                      .residual = residual(full, shapes.col(i), own.values[i])});
+  // The highest kept modes strain otherwise than the full model's in any reduction, far above what sensors see.
+  if (const Index lower = std::min(count, (exact.frequencies.array() <= 0.5 * up_to).count()); lower > 0)
+    error_indicators.gauges = compare_strains(full, exact.shapes.leftCols(lower), shapes);
 }
 
 namespace {
@@ -191,6 +228,13 @@ namespace {
 constexpr double static_tolerance = 1e-6;
 constexpr double frequency_tolerance = 1e-2;
 constexpr double least_mac = 0.9;
+constexpr double strain_tolerance = 2e-2;
+
+std::string per_cent(double ratio) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2g %%", 100.0 * ratio);
+  return text;
+}
 
 std::string hertz(double frequency) {
   char text[32];
@@ -224,6 +268,10 @@ std::vector<std::string> reduction_warnings(const ReductionErrorIndicators& erro
                        hertz(mode.reduced) + " in the reduced model, with a MAC of " + mac +
                        ": keep more modes or add boundary nodes");
   }
+  for (const auto& [gauge, error] : error_indicators.gauges)
+    if (error > strain_tolerance)
+      warnings.push_back("the reduced model is off by up to " + per_cent(error) + " in the strain at gauge '" + gauge +
+                         "', and the strain's band does not include that: keep more modes");
   if (error_indicators.static_error > static_tolerance)
     warnings.push_back("the constraint modes leave " + std::to_string(error_indicators.static_error) +
                        " of the boundary forces unbalanced: the stiffness of the interior is almost singular");

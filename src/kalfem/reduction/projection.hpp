@@ -30,12 +30,12 @@ SparseMatrix projected_damping(const LinearModel& model, const Eigen::MatrixXd& 
 
 /// The model in the coordinates q of z = T q with T = [I 0; Psi Phi]: constraint modes Psi, in equilibrium in the
 /// interior, and mass-normalised modes Phi of the interior with these values [(rad/s)^2]. So the last block of the mass
-/// is the identity, that of the stiffness diagonal, and the stiffness has no coupling between the two. Grounds and
-/// points are carried over; the damping holds C_m.
+/// is the identity, that of the stiffness diagonal, and the stiffness has no coupling between the two. Grounds,
+/// points and gauges are carried over; the damping holds C_m.
 LinearModel projected_model(const LinearModel& model, const Eigen::MatrixXd& T, const Eigen::VectorXd& values,
                             std::vector<std::string> names);
 
-/// Damping, grounds and points of the model in the coordinates q of z = T q; mass and stiffness stay empty.
+/// Damping, grounds, points and gauges of the model in the coordinates q of z = T q; mass and stiffness stay empty.
 LinearModel projected_surroundings(const LinearModel& model, const Eigen::MatrixXd& T, std::vector<std::string> names);
 
 /// The boundary and what is kept beside it, each name once.
@@ -43,10 +43,10 @@ std::vector<std::string> joined(const std::vector<std::string>& boundary, const 
 
 /// Band in which modes are compared [Hz]: what is asked for, or 0 for all kept modes (see ReductionOptions).
 double comparison_band(const ReductionErrorIndicators& error_indicators, double asked);
-/// Full and reduced modes up to a frequency [Hz], place by place. `whole`: factor of the full model's K, where it is at
-/// hand.
-std::vector<ModeComparison> compare_modes(const LinearModel& full, const LinearModel& reduced,
-                                          const Eigen::MatrixXd& basis, double up_to,
-                                          const StiffnessFactor* whole = nullptr);
+/// Full and reduced modes up to a frequency [Hz], place by place, and their strains at the gauges: sets `modes` and
+/// `gauges` of the indicators, the latter from the modes in the lower half. `whole`: factor of the full model's K, null
+/// where it is not at hand.
+void compare_modes(const LinearModel& full, const Superelement& reduced, double up_to, const StiffnessFactor* whole,
+                   ReductionErrorIndicators& error_indicators);
 
 }  // namespace kalfem

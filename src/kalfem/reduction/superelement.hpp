@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -45,12 +46,14 @@ struct ReductionErrorIndicators {
   double factor_bytes = 0.0;                         ///< memory of the factor of K_ii [byte]
   Eigen::Index solves = 0;                           ///< back-solves with it
   EliminationOrder order = {};                       ///< of it: Craig-Bampton only
+  std::map<std::string, double> gauges = {};  ///< largest difference of a strain of the full `modes` from that of the
+                                              ///< recovered shapes, relative to the gauge's largest strain of them
 };
 
 /// A linear substructure in few coordinates, z = T q, with the map back to the full model.
 struct Superelement {
   LinearModel model;      ///< reduced: boundary degrees of freedom by their own names, then "mode1", "mode2", ...;
-                          ///< the full model's points as combinations of these
+                          ///< the full model's points and gauges as combinations of these
   Eigen::MatrixXd basis;  ///< T, n x r: displacement of all full degrees of freedom per reduced one
   std::vector<Eigen::Index> boundary;  ///< indices of the boundary in the full model
   ReductionErrorIndicators error_indicators;
@@ -102,7 +105,7 @@ Superelement guyan(const LinearModel& model, const std::vector<std::string>& bou
 
 /// What in the evidence speaks against using the reduction, in sentences: modes left out within the band that is
 /// excited or within three times the sensors' bandwidth (six times is better), frequencies or shapes in that bandwidth
-/// that differ, constraint modes that are not exact. Both bands [Hz].
+/// that differ, strains at gauges that differ by more than 2 %, constraint modes that are not exact. Both bands [Hz].
 std::vector<std::string> reduction_warnings(const ReductionErrorIndicators& error_indicators, double excitation_band,
                                             double sensor_bandwidth);
 

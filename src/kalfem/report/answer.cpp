@@ -38,6 +38,9 @@ std::string sensors_in_words(const Study& study, const Record& record) {
       case ObservedQuantity::connector_force:
         ++kinds["force"];
         break;
+      case ObservedQuantity::strain:
+        ++kinds["strain"];
+        break;
     }
   }
   std::vector<std::string> words;

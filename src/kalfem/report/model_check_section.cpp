@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "kalfem/model/finite_element_model.hpp"
+#include "kalfem/model/gauges/nearest_place.hpp"
 #include "kalfem/report/mesh_picture.hpp"
 #include "kalfem/report/tables.hpp"
 
@@ -156,6 +157,19 @@ Table places_table(const FiniteElementPart& part) {
     table.rows.push_back({name, std::to_string(mesh.node_ids[static_cast<std::size_t>(node)]),
                           has_places ? vector_text(mesh.nodes.col(node)) : "-",
                           distance ? four_digits(*distance) : "-"});
+  return table;
+}
+
+Table gauges_table(const FiniteElementPart& part) {
+  Table table{"Strain gauges", {"gauge", "element", "shape", "at x, y, z [m]", "along", "side"}, {}, {}};
+  const auto& mesh = part.elements.mesh;
+  for (const auto& gauge : part.gauges) {
+    const Cell& cell = mesh.cells[static_cast<std::size_t>(gauge.cell)];
+    const Eigen::Vector3d place = corner_places(mesh, cell) * corner_shares(cell.shape, gauge.natural);
+    const std::string side = to_string(gauge.surface);
+    table.rows.push_back({gauge.name, std::to_string(cell.id), to_string(cell.shape), vector_text(place),
+                          vector_text(gauge.direction), side.empty() ? "-" : side});
+  }
   return table;
 }
 

@@ -33,6 +33,30 @@ std::vector<std::string> shown_points(const Study& study, const EstimationOutcom
   return names;
 }
 
+/// Gauges that the case wants shown, or the first ones that are no sensors.
+std::vector<std::string> shown_gauges(const Study& study, const EstimationOutcome& outcome) {
+  if (!study.report.strains.empty()) return study.report.strains;
+  const auto measured = [&](const std::string& gauge) {
+    return std::ranges::any_of(study.sensors, [&](const Sensor& sensor) {
+      return sensor.output.quantity == ObservedQuantity::strain && sensor.output.points.contains(gauge);
+    });
+  };
+  std::vector<std::string> names;
+  for (const auto& point : outcome.points)
+    if (point.quantity == ObservedQuantity::strain && names.size() < 2 && !measured(point.point))
+      names.push_back(point.point);
+  return names;
+}
+
+/// What its charts are called, and its unit.
+struct ShownQuantity {
+  std::string word, unit;
+};
+
+ShownQuantity shown_quantity(const PointQuantity& point) {
+  return {point.quantity == ObservedQuantity::strain ? "strain" : "displacement", unit_of(point.quantity)};
+}
+
 /// "NRMSE 0.31 % in the band of the excitation, 0.5 to 30 Hz; 59.9 % of the whole signal, after 2 s."
 std::string error_words(const Study& study, const EstimationOutcome& outcome, const std::vector<PointQuantity>& points,
                         const PointQuantity& point) {
@@ -60,18 +84,21 @@ Chart over_time(const Study& study, const EstimationOutcome& outcome, const std:
 }
 
 Chart motion_chart(const Study& study, const EstimationOutcome& outcome, const PointQuantity& point, bool zoomed) {
-  Chart chart = over_time(study, outcome, "displacement-" + point.point, "Displacement of " + point.point, zoomed);
+  const auto [word, unit] = shown_quantity(point);
+  const std::string title = word == "strain" ? "Strain at " : "Displacement of ";
+  Chart chart = over_time(study, outcome, word + "-" + point.point, title + point.point, zoomed);
   chart.caption = error_words(study, outcome, outcome.points, point);
   chart.series = {with_band("estimate", point.mean, point.deviation, Role::estimate)};
   if (point.truth.size() > 0)
     chart.series.push_back({.label = "simulated", .y = series_values(point.truth), .role = Role::truth});
-  return with_readable_ordinates(std::move(chart), "displacement", "m");
+  return with_readable_ordinates(std::move(chart), word, unit);
 }
 
 /// Estimate less truth, and twice the standard deviation that the filter states about zero.
 Chart error_chart(const Study& study, const EstimationOutcome& outcome, const PointQuantity& point, bool zoomed) {
+  const auto [word, unit] = shown_quantity(point);
   Chart chart =
-      over_time(study, outcome, "error-" + point.point, "Error of the displacement of " + point.point, zoomed);
+      over_time(study, outcome, "error-" + point.point, "Error of the " + word + " of " + point.point, zoomed);
   const VectorXd zero = VectorXd::Zero(point.mean.size()), twice = 2.0 * point.deviation;
   chart.series = {
       {.label = "± 2 standard deviations",
@@ -84,7 +111,7 @@ Chart error_chart(const Study& study, const EstimationOutcome& outcome, const Po
   const auto inside = ((point.mean - point.truth).array().abs() <= twice.array()).tail(count).count();
   chart.caption = fmt::format("After settling {} lie within ± 2 standard deviations (95.4 % expected).",
                               per_cent(static_cast<double>(inside) / static_cast<double>(count)));
-  return with_readable_ordinates(std::move(chart), "error", "m");
+  return with_readable_ordinates(std::move(chart), "error", unit);
 }
 
 void add_motion(const Study& study, const EstimationOutcome& outcome, const PointQuantity& point, Section& section) {
@@ -102,9 +129,13 @@ void add_motion(const Study& study, const EstimationOutcome& outcome, const Poin
 }  // namespace
 
 Section motion_section(const Study& study, const EstimationOutcome& outcome) {
-  Section section{"Estimated motion", "Displacements that were not measured: whole record and after settling.", {}};
+  Section section{
+      "Estimated motion", "Displacements and strains that were not measured: whole record and after settling.", {}};
   for (const auto& name : shown_points(study, outcome))
     if (const auto* point = find_point(outcome.points, name, ObservedQuantity::displacement))
+      add_motion(study, outcome, *point, section);
+  for (const auto& name : shown_gauges(study, outcome))
+    if (const auto* point = find_point(outcome.points, name, ObservedQuantity::strain))
       add_motion(study, outcome, *point, section);
   if (auto table = error_table("NRMSE against the simulation", study, outcome.points, outcome.settled);
       !table.rows.empty())
@@ -123,7 +154,7 @@ Section prediction_section(const Study& study, const EstimationOutcome& estimati
   const RestingPoints resting(outcome.points, estimation.settled);
   int drawn = 0;
   for (const auto& point : outcome.points) {
-    const bool of_interest = point.quantity == ObservedQuantity::acceleration && shown(study, point.point);
+    const bool of_interest = point.quantity == ObservedQuantity::acceleration && shown(study, point);
     if (!of_interest || resting.rests(point) || drawn == 4) continue;
     ++drawn;
     Chart chart{.id = "prediction-" + point.point,

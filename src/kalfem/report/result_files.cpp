@@ -27,6 +27,8 @@ QuantityName name_of(ObservedQuantity quantity) {
       return {"rate", "m/s"};
     case ObservedQuantity::connector_force:
       return {"force", "N"};
+    case ObservedQuantity::strain:
+      return {"strain", "m/m"};
   }
   return {"", ""};
 }

@@ -27,6 +27,8 @@ Table materials_table(const ModelCheckReport& report);
 Table quality_table(const ModelCheckReport& report);
 /// The named nodes of a substructure: number, place, and how far it lies from the place that the case gives.
 Table places_table(const FiniteElementPart& part);
+/// The element under each strain gauge, and what it measures there.
+Table gauges_table(const FiniteElementPart& part);
 /// What a deck holds that was not used, what may change the model first.
 Table notes_table(const std::vector<DeckNote>& notes);
 

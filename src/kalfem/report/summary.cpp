@@ -175,6 +175,8 @@ const char* quantity_key(ObservedQuantity quantity) {
       return "rate_nrmse";
     case ObservedQuantity::connector_force:
       return "force_nrmse";
+    case ObservedQuantity::strain:
+      return "strain_nrmse";
   }
   return "";
 }
@@ -185,6 +187,7 @@ void add_errors(Json& errors, const PointQuantity& point, const RestingPoints& r
   const bool rests = resting.rests(point);
   errors[key] = rests ? Json(nullptr) : number(point.nrmse);
   if (point.nrmse_in_band) errors[key + "_in_band"] = rests ? Json(nullptr) : number(*point.nrmse_in_band);
+  if (point.coverage) errors["strain_coverage_95"] = number(*point.coverage);
 }
 
 Json errors_by_point(const std::vector<PointQuantity>& points, Eigen::Index settled) {

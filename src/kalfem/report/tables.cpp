@@ -38,6 +38,8 @@ const char* short_name(ObservedQuantity quantity) {
       return "acceleration";
     case ObservedQuantity::connector_force:
       return "force";
+    case ObservedQuantity::strain:
+      return "strain";
   }
   return "";
 }
@@ -60,8 +62,10 @@ std::string band_words(const EstimationOutcome& outcome) {
 
 }  // namespace
 
-bool shown(const Study& study, const std::string& point) {
-  const auto& wanted = study.report.displacements;
+bool shown(const Study& study, const PointQuantity& quantity) {
+  const auto& point = quantity.point;
+  const auto& wanted =
+      quantity.quantity == ObservedQuantity::strain ? study.report.strains : study.report.displacements;
   const bool of_elements = std::ranges::any_of(
       study.structure->finite_elements, [&](const auto& each) { return point.starts_with(each.part->name + "."); });
   return !of_elements || wanted.empty() || std::ranges::any_of(wanted, [&](const auto& name) { return name == point; });
@@ -169,14 +173,19 @@ Table error_table(const std::string& title, const Study& study, const std::vecto
   std::vector<std::string> order;
   std::map<std::string, std::map<std::string, std::string>> cells;
   for (const auto& point : points) {
-    if (point.truth.size() == 0 || !shown(study, point.point)) continue;
+    if (point.truth.size() == 0 || !shown(study, point)) continue;
     if (!cells.contains(point.point)) order.push_back(point.point);
     const std::string quantity = short_name(point.quantity);
     const bool rests = resting.rests(point);
     cells[point.point][quantity] = rests ? "at rest" : point.nrmse ? per_cent(*point.nrmse) : "-";
     if (point.nrmse_in_band && !rests) cells[point.point][quantity + " in band"] = per_cent(*point.nrmse_in_band);
+    if (point.coverage && !rests) cells[point.point]["within ± 1.96 std"] = per_cent(*point.coverage);
   }
-  Table table{title, {"point", "displacement", "velocity", "acceleration", "acceleration in band", "force"}, {}, {}};
+  Table table{title,
+              {"point", "displacement", "velocity", "acceleration", "acceleration in band", "force", "strain",
+               "strain in band", "within ± 1.96 std"},
+              {},
+              {}};
   const auto used = [&](const std::string& column) {
     return std::ranges::any_of(cells, [&](const auto& row) { return row.second.contains(column); });
   };

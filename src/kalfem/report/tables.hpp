@@ -16,9 +16,9 @@ Table parameter_table(const Study& study, const EstimationOutcome& outcome);
 Table input_table(const EstimationOutcome& outcome);
 /// Motions and forces that the sensors hardly show where inputs are unknown; empty if there are none.
 std::string hardly_known_words(const EstimationOutcome& outcome);
-/// Everything of lumped parts and connectors; of finite elements the points that the case wants shown, if it names
-/// some.
-bool shown(const Study& study, const std::string& point);
+/// Everything of lumped parts and connectors; of finite elements the points and gauges that the case wants shown, if it
+/// names some.
+bool shown(const Study& study, const PointQuantity& quantity);
 /// NRMSE of a step's points against the reference after the sample `settled`; "at rest" for points that do not move.
 /// Of finite-element substructures only the points that the case wants shown, where it names some.
 Table error_table(const std::string& title, const Study& study, const std::vector<PointQuantity>& points,

@@ -74,25 +74,32 @@ void check_sections(const d::Case& given, IssueList& issues) {
                "describe at least one substructure");
 }
 
-void check_sensor_names(const d::Case& given, const std::vector<std::string>& points, IssueList& issues) {
-  const auto connectors = names_of(given.connectors);
+namespace {
+
+constexpr const char* gauge_fix = "define it under `gauges` of the finite elements, and write substructure.name";
+
+}  // namespace
+
+void check_sensor_names(const d::Case& given, const CoupledModel& model, IssueList& issues) {
+  const auto connectors = names_of(given.connectors), points = model.point_names(), gauges = model.gauges();
   const std::unordered_set<std::string> known_points(points.begin(), points.end());
   for (const auto& [name, sensor] : given.sensors) {
     const auto& [seen, location, path] =
         std::visit([](const auto& observed) -> const d::Points& { return observed.points; }, sensor.observed);
-    const bool of_connector = std::visit(
-        [](const auto& observed) { return observed.quantity > ObservedQuantity::acceleration; }, sensor.observed);
+    const auto quantity = std::visit([](const auto& observed) { return observed.quantity; }, sensor.observed);
     for (const auto& [target, weight] : seen) {
       const Name named{target, location, path};
-      if (of_connector)
+      if (is_of_connector(quantity))
         check_name(named, "connector", connectors, "name one of the `connectors`", issues);
+      else if (quantity == ObservedQuantity::strain)
+        check_name(named, "strain gauge", gauges, gauge_fix, issues);
       else if (!known_points.contains(target))
         check_name(named, "point", points, "write points as substructure.name", issues);
     }
   }
 }
 
-void check_reported_names(const d::Case& given, const std::vector<std::string>& points, IssueList& issues) {
+void check_reported_names(const d::Case& given, const CoupledModel& model, IssueList& issues) {
   std::vector<std::string> meshes;
   for (const auto& [name, part] : given.substructures)
     if (part.finite_elements) meshes.push_back(name);
@@ -103,7 +110,9 @@ void check_reported_names(const d::Case& given, const std::vector<std::string>& 
     check_name(given.report.fields->substructure, "finite-element substructure", meshes,
                "fields are written for meshes only: name a substructure with finite_elements", issues);
   for (const auto& name : given.report.displacements)
-    check_name(name, "point", points, "name a point whose motion is reported: substructure.name", issues);
+    check_name(name, "point", model.reported_points(), "name a point whose motion is reported: substructure.name",
+               issues);
+  for (const auto& name : given.report.strains) check_name(name, "strain gauge", model.gauges(), gauge_fix, issues);
 }
 
 namespace {

@@ -13,10 +13,10 @@ namespace kalfem {
 
 /// Sections that need or exclude each other.
 void check_sections(const description::Case& given, IssueList& issues);
-/// Points and connectors that sensors name. `points`: those of the structure.
-void check_sensor_names(const description::Case& given, const std::vector<std::string>& points, IssueList& issues);
-/// Substructures and points that `predict` and `report` name. `points`: those whose motion is reported.
-void check_reported_names(const description::Case& given, const std::vector<std::string>& points, IssueList& issues);
+/// Points, connectors and gauges that sensors name. `model`: of the structure.
+void check_sensor_names(const description::Case& given, const CoupledModel& model, IssueList& issues);
+/// Substructures, points and gauges that `predict` and `report` name.
+void check_reported_names(const description::Case& given, const CoupledModel& model, IssueList& issues);
 /// Duration, sampling, steps and initial state of `simulate`.
 void check_simulation(const CaseStudy& study, IssueList& issues);
 /// Durations in `report` must fit the sampling of the record.

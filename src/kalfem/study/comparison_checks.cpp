@@ -49,9 +49,9 @@ const std::vector<Name>* sensors_of(const d::Comparison& given) {
 std::vector<std::string> sensors_on(const CaseStudy& study, const std::string& substructure) {
   std::vector<std::string> names;
   for (const auto& sensor : study.sensors)
-    if (sensor.output.quantity <= ObservedQuantity::acceleration &&
-        std::ranges::all_of(sensor.output.points,
-                            [&](const auto& point) { return point.first.starts_with(substructure + "."); }))
+    if (is_motion(sensor.output.quantity) && std::ranges::all_of(sensor.output.points, [&](const auto& point) {
+          return point.first.starts_with(substructure + ".");
+        }))
       names.push_back(sensor.name);
   return names;
 }

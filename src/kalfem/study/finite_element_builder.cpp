@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "kalfem/formats/gmsh/gmsh.hpp"
+#include "kalfem/model/gauges/gauge_placement.hpp"
 #include "kalfem/model/mesh/split_quadratic_shells.hpp"
 #include "kalfem/model/unit_system.hpp"
 #include "kalfem/study/assembly.hpp"
@@ -79,15 +80,17 @@ public:
   NamedElements build() {
     read_source();
     add_properties();
+    const auto split = centres_of_split_elements();
     replace_quadratic(model_);
     name_nodes();
+    place_gauges(split);
     add_masses();
     add_springs();
     add_links_and_supports();
     auto load_groups = cells_of_load_groups();
     forget_groups_of_nodes();
     issues_.raise();
-    return {std::move(model_), std::move(nodes_), std::move(notes_), std::move(load_groups)};
+    return {std::move(model_), std::move(nodes_), std::move(gauges_), std::move(notes_), std::move(load_groups)};
   }
 
 private:
@@ -277,6 +280,51 @@ private:
     return -1;
   }
 
+  /// Centres of the quadratic lines and shells that gauges name. Linear ones stand in their place later.
+  [[nodiscard]] std::map<std::int64_t, Vector3d> centres_of_split_elements() const {
+    std::map<std::int64_t, Vector3d> centres;
+    for (const auto& [name, gauge] : fe_.gauges)
+      if (const auto* element = std::get_if<d::GaugeElement>(&gauge.value.place))
+        for (const auto& cell : model_.mesh.cells)
+          if (cell.id == element->number && (dimension(cell.shape) == 1 || dimension(cell.shape) == 2) &&
+              node_count(cell.shape) > corner_count(cell.shape))
+            centres[cell.id] = corner_places(model_.mesh, cell).rowwise().mean();
+    return centres;
+  }
+
+  void place_gauges(const std::map<std::int64_t, Vector3d>& split) {
+    if (!issues_.empty()) return;
+    const NodeFinder finder(model_.mesh);
+    for (const auto& [name, gauge] : fe_.gauges) try {
+        if (const auto place = place_of_gauge(gauge.value, split, finder))
+          gauges_.push_back(place_gauge(model_, described(name, gauge.value, *place)));
+      } catch (const InvalidInput& error) {
+        issues_.add(error, gauge.location);
+      }
+  }
+
+  using GaugePlace = std::variant<Vector3d, std::int64_t>;
+
+  std::optional<GaugePlace> place_of_gauge(const d::Gauge& gauge, const std::map<std::int64_t, Vector3d>& split,
+                                           const NodeFinder& finder) {
+    if (const auto* element = std::get_if<d::GaugeElement>(&gauge.place)) {
+      const auto centre = split.find(element->number);
+      return centre == split.end() ? GaugePlace(element->number) : GaugePlace(centre->second);
+    }
+    const auto& at = std::get<Located<d::NodePlace>>(gauge.place);
+    if (at.value.group.empty()) return vector(at.value.at);
+    const Index node = node_of_group(at, finder);
+    return node < 0 ? std::nullopt : std::optional<GaugePlace>(Vector3d(model_.mesh.nodes.col(node)));
+  }
+
+  static GaugeDescription described(const std::string& name, const d::Gauge& gauge, const GaugePlace& place) {
+    GaugeDescription description{.name = name, .place = place, .surface = gauge.surface};
+    if (gauge.direction) description.direction = vector(*gauge.direction);
+    if (gauge.fibre) description.fibre = Eigen::Vector2d((*gauge.fibre)[0], (*gauge.fibre)[1]);
+    if (gauge.region) description.region = gauge.region->value;
+    return description;
+  }
+
   void add_masses() {
     for (const auto& [name, mass] : fe_.masses)
       if (const Index node = find_node(mass.at.value, mass.at.location, mass.at.path); node >= 0)
@@ -364,6 +412,7 @@ private:
   FiniteElementModel model_;
   std::vector<DeckNote> notes_;
   std::vector<NamedNode> nodes_;
+  std::vector<StrainGauge> gauges_;
   IssueList issues_;
   bool has_places_ = true;  ///< matrices alone may have none
 };

@@ -8,13 +8,15 @@
 #include "kalfem/casefile/finite_element_description.hpp"
 #include "kalfem/formats/deck.hpp"
 #include "kalfem/model/assembly/fe_linear_model.hpp"
+#include "kalfem/model/gauges/strain_gauge.hpp"
 
 namespace kalfem {
 
-/// A finite-element model, the names of its nodes, and notes on its deck.
+/// A finite-element model, the names of its nodes, its strain gauges, and notes on its deck.
 struct NamedElements {
   FiniteElementModel elements;
   std::vector<NamedNode> nodes;
+  std::vector<StrainGauge> gauges;
   std::vector<DeckNote> notes;
   std::map<std::string, std::vector<Eigen::Index>> load_groups;  ///< cells of the groups that loads name
 };

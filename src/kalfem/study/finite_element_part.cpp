@@ -167,6 +167,21 @@ void add_weighted_points(const d::Substructure& given, LinearModel& model) {
   }
 }
 
+/// A gauge on the side of a shell measures bending by half the thickness, which must then be known.
+void check_thickness_at_gauges(const FiniteElementPart& part, const std::vector<std::string>& parameters) {
+  IssueList issues;
+  for (const auto& gauge : part.gauges) {
+    if (gauge.surface != Layer::top && gauge.surface != Layer::bottom) continue;
+    for (const auto& [region, cells] : part.elements.mesh.regions)
+      if (std::ranges::find(cells, gauge.cell) != cells.end() &&
+          std::ranges::find(parameters, region + ".thickness") != parameters.end())
+        issues.add({}, "strain gauge '" + gauge.name + "' stands on a side of '" + region + "', whose thickness is unknown",
+                   "its strain by bending is taken at the stated thickness",
+                   "hold the thickness fixed, or write surface: middle");
+  }
+  issues.raise();
+}
+
 /// Connectors and excitations may name a ground at which no spring ends.
 void add_grounds(const d::Substructure& given, LinearModel& model) {
   std::vector<std::string> names{"ground"};
@@ -187,9 +202,10 @@ DescribedPart make_finite_element_part(const std::string& name, const d::Substru
   part.name = name;
   part.damping = {{given.damping.mass_factor, given.damping.stiffness_factor},
                   {given.damping.modal, given.damping.modal_up_to}};
-  auto [elements, nodes, notes, groups] = build_finite_elements(name, given, load_groups_of(statics));
+  auto [elements, nodes, gauges, notes, groups] = build_finite_elements(name, given, load_groups_of(statics));
   part.elements = std::move(elements);
   part.nodes = std::move(nodes);
+  part.gauges = std::move(gauges);
   part.load_groups = std::move(groups);
   described.notes = std::move(notes);
   const bool is_given = given.reduction && !given.reduction->value.boundary.empty();
@@ -197,6 +213,7 @@ DescribedPart make_finite_element_part(const std::string& name, const d::Substru
       is_given ? given_boundary(part, given.reduction->value) : attached_boundary(part, given, attached);
   if (given.preload) part.preload_stiffness = preload_stiffness(part, *given.preload, statics);
   try {
+    check_thickness_at_gauges(part, parameters);
     assemble_part(part, {.parameters = {parameters.begin(), parameters.end()}, .independent = all_dofs(boundary)});
     add_grounds(given, part.full);
     add_weighted_points(given, part.full);

@@ -86,10 +86,9 @@ private:
   }
 
   void of_sensor(const std::string& name, const d::Sensor& sensor) {
-    const bool of_connector = std::visit(
-        [](const auto& observed) { return observed.quantity > ObservedQuantity::acceleration; }, sensor.observed);
-    if (of_connector)
-      warn({"sensors", name, "relative"}, "a quantity of a connector does not depend on the base's motion");
+    const bool motion = std::visit([](const auto& observed) { return is_motion(observed.quantity); }, sensor.observed);
+    if (!motion)
+      warn({"sensors", name, "relative"}, "forces, deformations and strains do not depend on the base's motion");
     if (!given_.record)
       for (const char* key : {"channel", "gain", "offset", "delay"})
         warn({"sensors", name, key}, "the case reads no record");
@@ -167,7 +166,7 @@ private:
 
   void of_report() {
     if (!given_.estimate)
-      for (const char* key : {"displacements", "frequencies", "zoom"})
+      for (const char* key : {"displacements", "strains", "frequencies", "zoom"})
         warn({"report", key}, "the case does not estimate");
     if (!given_.estimate && !given_.simulate) warn({"report", "fields"}, "the case neither simulates nor estimates");
     if (has_finite_elements()) return;

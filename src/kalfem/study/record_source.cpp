@@ -7,6 +7,7 @@
 
 #include "kalfem/base/units.hpp"
 #include "kalfem/casefile/description.hpp"
+#include "kalfem/casefile/plausible.hpp"
 #include "kalfem/formats/measured_selection.hpp"
 #include "kalfem/formats/record_file.hpp"
 #include "kalfem/records/channel_calibration.hpp"
@@ -38,7 +39,12 @@ SourceLocation location_of(const description::Sensor& sensor) {
   return std::visit([](const auto& observed) { return observed.points.location; }, sensor.observed);
 }
 
-/// Refuses channels without any number, or with one value throughout, as of a dead sensor.
+ObservedQuantity quantity_of(const description::Sensor& sensor) {
+  return std::visit([](const auto& observed) { return observed.quantity; }, sensor.observed);
+}
+
+/// Refuses channels without any number, with one value throughout, as of a dead sensor, or of strains that no structure
+/// survives: such a channel is in um/m.
 void check_channels(const Record& record, const description::Case& given) {
   IssueList issues;
   const std::string part = " (" + std::to_string(record.samples()) + " samples from " + shortest(record.start) +
@@ -60,6 +66,10 @@ void check_channels(const Record& record, const description::Case& given) {
                  "a dead sensor would make the filter believe that nothing moves",
                  "remove the sensor or use a part of the record in which it works; if the value is a real measurement, "
                  "set accept_constant: true");
+    else if (const double span = finite.select(values, -infinity).maxCoeff() - lowest;
+             quantity_of(sensor) == ObservedQuantity::strain && span > plausible::strain().high)
+      issues.add(location_of(sensor), channel + "spans a strain of " + shortest(span) + " m/m" + part,
+                 "no structure is strained so much: the channel is probably in um/m", "set unit: um/m");
   }
   issues.raise();
 }
@@ -76,10 +86,6 @@ std::string rotational_unit_of(ObservedQuantity quantity) {
     default:
       return "";
   }
-}
-
-ObservedQuantity quantity_of(const description::Sensor& sensor) {
-  return std::visit([](const auto& observed) { return observed.quantity; }, sensor.observed);
 }
 
 /// The column and unit of a sensor.

@@ -31,6 +31,7 @@ ReportPlan make_report_plan(const description::Report& given) {
                   .superelements = given.superelements.value};
   if (given.fields) plan.pictures = PicturePlan{given.fields->substructure.value, given.fields->every};
   for (const auto& point : given.displacements) plan.displacements.push_back(point.value);
+  for (const auto& gauge : given.strains) plan.strains.push_back(gauge.value);
   return plan;
 }
 

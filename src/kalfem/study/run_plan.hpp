@@ -106,6 +106,7 @@ struct ReportPlan {
   int frequencies = 0;                          ///< natural ones of the whole structure, over time
   double zoom = 1.0;                            ///< [s]
   std::vector<MatrixFormat> superelements = {};
+  std::vector<std::string> strains = {};  ///< gauges
 };
 ReportPlan make_report_plan(const description::Report& given);
 

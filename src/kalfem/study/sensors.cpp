@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "kalfem/casefile/plausible.hpp"
 #include "kalfem/study/assembly.hpp"
 #include "kalfem/study/case_study.hpp"
 #include "kalfem/yaml/bounds.hpp"
@@ -8,6 +9,11 @@ namespace kalfem {
 namespace {
 
 namespace d = description;
+
+/// Whether noise is a share of the channel's rms. Of a strain, which is a ratio itself, only a percentage is.
+bool is_relative(const Quantity& noise, bool strain) {
+  return strain ? noise.per_cent : !noise.bare && noise.dimension == Dimension{};
+}
 
 Sensor make_sensor(const std::string& name, const d::Sensor& given, const SourceLocation& location) {
   Sensor sensor;
@@ -20,9 +26,11 @@ Sensor make_sensor(const std::string& name, const d::Sensor& given, const Source
       },
       given.observed);
   sensor.unit = unit_of(sensor.output.quantity);
-  sensor.relative_noise = !given.noise.value.bare && given.noise.value.dimension == Dimension{};
-  sensor.noise =
-      sensor.relative_noise ? given.noise.value.value : checked_number(given.noise, sensor.unit, Bounds::nonnegative());
+  const bool strain = sensor.output.quantity == ObservedQuantity::strain;
+  sensor.relative_noise = is_relative(given.noise.value, strain);
+  sensor.noise = sensor.relative_noise
+                     ? given.noise.value.value
+                     : checked_number(given.noise, sensor.unit, strain ? plausible::strain() : Bounds::nonnegative());
   if (!(sensor.noise >= 0.0))
     throw InvalidInput(given.noise.issue("the noise is negative", "a standard deviation must not be negative"));
   sensor.chain = MeasurementChain({given.chain});
@@ -51,9 +59,8 @@ DofCombination carried_masses(const CaseStudy& study, const d::Sensor& given, co
 void check_relative(const CaseStudy& study, const d::Sensor& given, const d::Points& points, IssueList& issues) {
   const bool uniform = std::ranges::any_of(
       study.structure->parts.inputs, [](const auto& input) { return input.kind == InputKind::base_acceleration; });
-  const bool of_connector = std::visit(
-      [](const auto& observed) { return observed.quantity > ObservedQuantity::acceleration; }, given.observed);
-  if (given.relative && !uniform && !of_connector)
+  const bool motion = std::visit([](const auto& observed) { return is_motion(observed.quantity); }, given.observed);
+  if (given.relative && !uniform && motion)
     issues.add(points.location,
                points.path + " is relative to the accelerated base, but the case does not accelerate a whole base",
                "when single grounds move, displacements are absolute",

@@ -245,11 +245,10 @@ private:
   }
 
   void check_names(IssueList& issues) {
-    const CoupledModel points = couple({structure_->parts.substructures, structure_->parts.finite_elements, {}, {}});
+    const CoupledModel model = couple({structure_->parts.substructures, structure_->parts.finite_elements, {}, {}});
     if (steps_.is_sound(sensors) && steps_.was_read(connectors) && steps_.is_sound(component))
-      check_sensor_names(study_.given, points.point_names(), issues);
-    if (steps_.is_sound(report) && steps_.is_sound(predict))
-      check_reported_names(study_.given, points.reported_points(), issues);
+      check_sensor_names(study_.given, model, issues);
+    if (steps_.is_sound(report) && steps_.is_sound(predict)) check_reported_names(study_.given, model, issues);
   }
 
   void make_signals_of_inputs(IssueList& issues) {

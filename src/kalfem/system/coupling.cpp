@@ -295,6 +295,27 @@ std::vector<std::string> CoupledModel::point_names() const {
   return names;
 }
 
+Eigen::VectorXd CoupledModel::strain(const std::string& gauge) const {
+  for (const auto& part : substructures_) {
+    const std::string prefix = part.name + ".";
+    if (!gauge.starts_with(prefix)) continue;
+    const auto found = part.model->gauges.find(gauge.substr(prefix.size()));
+    if (found == part.model->gauges.end()) continue;
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(system_.size());
+    for (const auto& [dof, coefficient] : found->second) row[dof_index(prefix + dof)] += coefficient;
+    return row;
+  }
+  throw InvalidInput("there is no strain gauge '" + gauge + "'" + did_you_mean(gauge, gauges()),
+                     "write gauges as substructure.name", "define it under `gauges` of the finite elements");
+}
+
+std::vector<std::string> CoupledModel::gauges() const {
+  std::vector<std::string> names;
+  for (const auto& part : substructures_)
+    for (const auto& [name, combination] : part.model->gauges) names.push_back(part.name + "." + name);
+  return names;
+}
+
 CoupledModel::Placed CoupledModel::find_substructure(const std::string& name) const {
   std::vector<std::string> known;
   for (Eigen::Index offset = 0; const auto& part : substructures_) {

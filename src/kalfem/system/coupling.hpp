@@ -99,6 +99,11 @@ public:
   [[nodiscard]] std::vector<std::string> reported_points() const;
   /// All names that motion() knows.
   [[nodiscard]] std::vector<std::string> point_names() const;
+  /// Coefficients of the strain at a qualified gauge over all degrees of freedom, n [1/m]; throws InvalidInput (with
+  /// the nearest name) when there is none.
+  [[nodiscard]] Eigen::VectorXd strain(const std::string& gauge) const;
+  /// All qualified strain gauges.
+  [[nodiscard]] std::vector<std::string> gauges() const;
   /// A substructure and where its degrees of freedom begin in the system; throws InvalidInput when there is none.
   struct Placed {
     const Substructure& part;

@@ -131,8 +131,21 @@ Schema<std::string> text() {
       [](const std::string& text) { return yaml_text(text); });
 }
 
+namespace {
+
+/// "15 %" of 0.15: in as many digits as read back as the same number.
+std::string per_cent_text(double value) {
+  std::array<char, 32> rounded{};
+  std::snprintf(rounded.data(), rounded.size(), "%.15g %%", 100.0 * value);
+  const std::string text = rounded.data();
+  return parse_quantity(text).value == value ? text : shortest(100.0 * value) + " %";
+}
+
+}  // namespace
+
 Schema<Quantity> quantity() {
   const auto write = [](const Quantity& given) {
+    if (given.per_cent) return yaml_literal(per_cent_text(given.value));
     return yaml_literal(shortest(given.value) + (given.bare ? "" : " " + si_unit(given.dimension)));
   };
   return scalar<Quantity>(

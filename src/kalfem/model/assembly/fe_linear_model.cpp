@@ -212,6 +212,7 @@ ModelAtParameters ParameterisedFiniteElements::at(const Eigen::VectorXd& paramet
   if (alpha != 0.0 || beta != 0.0) model.damping += SparseMatrix(alpha * model.mass + beta * model.stiffness);
   model.grounds = full_->grounds;
   model.points = full_->points;
+  model.gauges = full_->gauges;
   model.points_only = full_->points_only;
   model.coordinate_scale = full_->coordinate_scale;
   return {std::move(model), damping.modal_ratios};

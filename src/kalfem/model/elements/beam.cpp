@@ -372,11 +372,24 @@ Eigen::MatrixXd beam_geometric_stiffness(const Eigen::Matrix<double, 3, 2>& ends
 }
 
 // sigma = N / A + a y + b z with M_y = int z sigma dA and M_z = -int y sigma dA.
+namespace {
+
+/// d sigma / d[y z] of the bending moments.
+Eigen::Vector2d stress_slope(const SectionForces& forces, const BeamSection& section) {
+  const Eigen::Matrix2d moments{{section.product_yz, section.inertia_y}, {-section.inertia_z, -section.product_yz}};
+  return moments.inverse() * forces.tail<2>();
+}
+
+}  // namespace
+
+double axial_stress(const SectionForces& forces, const BeamSection& section, const Eigen::Vector2d& place) {
+  return forces[0] / section.area + stress_slope(forces, section).dot(place);
+}
+
 std::optional<FibreStress> fibre_stress(const SectionForces& forces, const BeamSection& section) {
   const auto& [corners, radius] = section.outline;
   if (corners.empty() && radius == 0.0) return std::nullopt;
-  const Eigen::Matrix2d moments{{section.product_yz, section.inertia_y}, {-section.inertia_z, -section.product_yz}};
-  const Eigen::Vector2d slope = moments.inverse() * forces.tail<2>();
+  const Eigen::Vector2d slope = stress_slope(forces, section);
   const double axial = forces[0] / section.area;
   if (corners.empty()) return FibreStress{axial - radius * slope.norm(), axial + radius * slope.norm()};
   FibreStress stress{axial + slope.dot(corners.front()), axial + slope.dot(corners.front())};

@@ -27,6 +27,9 @@ std::array<SectionForces, 2> beam_forces(const Eigen::Matrix<double, 3, 2>& ends
 Eigen::MatrixXd beam_geometric_stiffness(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty& property,
                                          const BeamPlacement& placement, double poissons_ratio, double axial_force);
 
+/// Axial stress of axial force and bending in a fibre at `place`, local y and z from the centroid [m].
+double axial_stress(const SectionForces& forces, const BeamSection& section, const Eigen::Vector2d& place);
+
 /// Smallest and largest axial stress in a section [Pa].
 struct FibreStress {
   double lowest = 0.0, highest = 0.0;

@@ -74,7 +74,8 @@ Samples sampled(CellShape shape, const SolidNodes& nodes, SolidKind kind, const 
   return displacement_strains(points(few ? RulePurpose::reduced_strain : RulePurpose::strain), displacements);
 }
 
-/// The shape with the same corners and no other nodes.
+}  // namespace
+
 CellShape linear_shape(CellShape shape) {
   switch (corner_count(shape)) {
     case 4:
@@ -85,6 +86,8 @@ CellShape linear_shape(CellShape shape) {
       return CellShape::hexahedron8;
   }
 }
+
+namespace {
 
 /// Shape functions of the corners at natural places, places x corners.
 Eigen::MatrixXd corner_functions(CellShape shape, const Eigen::Matrix3Xd& places) {

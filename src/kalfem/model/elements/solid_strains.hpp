@@ -7,6 +7,9 @@ namespace kalfem {
 /// Strains [xx yy zz xy yz xz] of a solid in global axes, engineering shear, 6 x places.
 using SolidStrains = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
+/// The solid with the same corners and no other nodes.
+CellShape linear_shape(CellShape shape);
+
 /// Strains at the nodes of an element and, in a last column, at its centre, under the displacements [x y z] of each
 /// node in turn [m].
 ///

@@ -6,7 +6,7 @@ namespace {
 // A sensor is one row of y = S_d z + S_v z' + S_a z'' + S_f f + D_0 r + D_1 r' + D_2 r''. The motion of a point is a
 // combination of degrees of freedom and of moved grounds; a connector's deformation is b^T z - base^T r. Under a base
 // acceleration coordinates are relative to the base, so that an accelerometer adds the base's share unless it is said
-// to measure relative to the base.
+// to measure relative to the base. A strain is a combination of degrees of freedom.
 Eigen::Index connector_index(const LocallyNonlinearSystem& system, const std::string& name) {
   std::vector<std::string> names;
   for (const auto& connector : system.connectors) {
@@ -86,12 +86,19 @@ void set_point_row(OutputMap& map, RowEntries& entries, Eigen::Index row, const 
   }
 }
 
+/// Grounds have no share: nothing of the base's motion strains an element by itself.
+void set_gauge_row(RowEntries& entries, Eigen::Index row, const CoupledModel& model, const OutputDescription& output) {
+  for (const auto& [gauge, weight] : output.points) set_row(entries.displacement, row, weight * model.strain(gauge));
+}
+
+}  // namespace
+
+bool is_motion(ObservedQuantity quantity) { return quantity <= ObservedQuantity::acceleration; }
+
 bool is_of_connector(ObservedQuantity quantity) {
   return quantity == ObservedQuantity::connector_force || quantity == ObservedQuantity::connector_deformation ||
          quantity == ObservedQuantity::connector_rate;
 }
-
-}  // namespace
 
 std::string unit_of(ObservedQuantity quantity) {
   switch (quantity) {
@@ -105,6 +112,8 @@ std::string unit_of(ObservedQuantity quantity) {
       return "m/s^2";
     case ObservedQuantity::connector_force:
       return "N";
+    case ObservedQuantity::strain:
+      return "m/m";
   }
   return "";
 }
@@ -124,9 +133,12 @@ OutputMap make_outputs(const CoupledModel& model, const std::vector<OutputDescri
     map.names.push_back(output.name);
     map.units.push_back(unit_of(output.quantity));
     try {
-      if (output.points.empty()) throw InvalidInput("it does not measure anything", "", "name a point or a connector");
+      if (output.points.empty())
+        throw InvalidInput("it does not measure anything", "", "name a point, a connector or a gauge");
       if (is_of_connector(output.quantity))
         set_connector_row(map, entries, row, model, output);
+      else if (output.quantity == ObservedQuantity::strain)
+        set_gauge_row(entries, row, model, output);
       else
         set_point_row(map, entries, row, model, output);
     } catch (const InvalidInput& error) {

@@ -1,0 +1,67 @@
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "base/figures.hpp"
+#include "kalfem/base/random.hpp"
+#include "kalfem/pipeline/reported_quantities.hpp"
+#include "kalfem/pipeline/run_steps.hpp"
+#include "kalfem/records/record.hpp"
+
+// Strain of the vehicle's frame where no gauge is: errors and bands over roads and draws of the noise.
+
+namespace kalfem::test {
+namespace {
+
+Study vehicle_on_road(int road) {
+  std::vector<CaseChange> changes{{"simulate.duration", "5 s"}};
+  for (int wheel = 1; wheel <= 4; ++wheel)
+    changes.push_back(
+        {"excitation.road_" + std::to_string(wheel) + ".random.seed", std::to_string(road) + std::to_string(wheel)});
+  return load_study(KALFEM_SOURCE_DIR "/examples/vehicle/strain.yaml", changes);
+}
+
+/// Puts another draw of the noise into the simulated record.
+void draw_noise(const Study& study, std::uint64_t seed, SimulationOutcome& outcome) {
+  for (std::size_t i = 0; i < study.sensors.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    RandomStream random(seed, study.sensors[i].name);
+    outcome.measurements.values.row(row) = outcome.reference.sensors.row(row);
+    for (double& value : outcome.measurements.values.row(row))
+      value += outcome.measurements.channels[i].noise * random.normal();
+  }
+}
+
+TEST(VehicleStrain, LiesInItsBandOver20Records) {
+  const int roads = 4, draws = 5;
+  std::map<std::string, double> worst, covered;
+  for (int road = 1; road <= roads; ++road) {
+    const Study study = vehicle_on_road(road);
+    StudyResults results = run_study(study, Step::simulate);
+    ASSERT_TRUE(results.complete()) << results.failure;
+    for (int draw = 1; draw <= draws; ++draw) {
+      draw_noise(study, static_cast<std::uint64_t>(draws * road + draw), *results.simulation);
+      auto setup = *study.augmented_model;
+      const auto estimation = run_estimation(study, setup, results, {});
+      ASSERT_FALSE(estimation.result.failure);
+      for (const auto& gauge : study.report.strains) {
+        const auto* strain = find_quantity(estimation.points, gauge, ObservedQuantity::strain);
+        ASSERT_NE(strain, nullptr) << gauge;
+        worst[gauge] = std::max(worst[gauge], strain->nrmse_in_band.value());
+        covered[gauge] += strain->coverage.value() / (roads * draws);
+      }
+    }
+  }
+  ASSERT_EQ(worst.size(), 5u);
+  for (const auto& [gauge, error] : worst) {
+    const std::string figure = "vehicle_strain." + gauge.substr(gauge.find('.') + 1);
+    expect_figure(figure + ".error", error);
+    expect_figure(figure + ".coverage", covered[gauge]);
+    EXPECT_LT(error, 0.03) << gauge;
+    EXPECT_GT(covered[gauge], 0.90) << gauge;
+    EXPECT_LT(covered[gauge], 0.99) << gauge;
+  }
+}
+
+}  // namespace
+}  // namespace kalfem::test
