@@ -68,6 +68,29 @@ void gravity() {
   near(solved("one: {gravity: [0, 0, -9.81]}").cases[0].solution.reaction_sum.force, vector({0.0, 0.0, weight}), 1e-9);
 }
 
+void rotation() {
+  const auto given = load_case("rotation: {axis: [0, 2, 0], about: [1 m, 0, 20 mm], speed: 3000 rpm}").rotation;
+  ASSERT_TRUE(given);
+  near(given->axis, vector({0.0, 2.0, 0.0}));
+  near(given->about, vector({1.0, 0.0, 0.02}));
+  near(given->speed, 100.0 * std::numbers::pi);
+  const double mass = 7850.0 * std::numbers::pi * 1e-4;  // the middle of the beam stands 0.5 m from the axis
+  near(solved("one: {rotation: {axis: [0, 0, 1], speed: 10}}").cases[0].solution.applied.force,
+       vector({50.0 * mass, 0.0, 0.0}), 1e-9);
+}
+
+/// In the plane of rotation the beam loses the square of the speed that it gains out of it.
+void preload_of_rotation() {
+  const auto study =
+      study_of(beam_case({{"substructures", "{b: {finite_elements: {" + beam_elements() + "}, preload: spin}}"},
+                          {"static",
+                           "{substructure: b, cases: {spin: {rotation: {axis: [0, 0, 1], "
+                           "speed: 100 rad/s}}}}"}}));
+  const auto frequencies = run(study, Step::modes).modes.at(0).frequencies;
+  const double lag = 2.0 * std::numbers::pi * frequencies[0], flap = 2.0 * std::numbers::pi * frequencies[1];
+  near(flap * flap - lag * lag, 1e4, 0.05);
+}
+
 void imposed_displacements() {
   const auto imposed = load_case("displacements: {tip.z: 2 mm, mid.ry: 1 mrad}").imposed;
   ASSERT_EQ(imposed.size(), 2u);
@@ -119,6 +142,13 @@ KeyChecks static_keys() {
           {"static.cases.*.pressures[].on", pressures},
           {"static.cases.*.pressures[].pressure", pressures},
           {"static.cases.*.gravity", gravity},
+          {"static.cases.*.rotation.axis", rotation},
+          {"static.cases.*.rotation.about", rotation},
+          {"static.cases.*.rotation.speed",
+           [] {
+             rotation();
+             preload_of_rotation();
+           }},
           {"static.cases.*.displacements", imposed_displacements},
           {"static.points", reported_points}};
 }

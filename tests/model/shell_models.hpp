@@ -6,8 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "kalfem/linalg/sparse_factor.hpp"
-#include "kalfem/model/assembly/assembly.hpp"
+#include "kalfem/model/statics/statics.hpp"
 
 namespace kalfem::test {
 
@@ -117,11 +116,13 @@ struct ShellProblem {
 
 /// Displacements and rotations of all nodes, 6 to a node.
 inline Eigen::VectorXd solve(const ShellProblem& problem) {
-  const AssembledModel model = assemble(problem.model);
-  Eigen::VectorXd forces = Eigen::VectorXd::Zero(6 * problem.grid.mesh.node_count());
-  for (const auto& [dof, value] : problem.loads) forces[6 * dof.node + dof.direction] += value;
-  const SparseFactor factor(evaluate(model.stiffness, model.parameters));
-  return model.expansion * Eigen::VectorXd(factor.solve(Eigen::VectorXd(model.expansion.transpose() * forces)));
+  LoadCase load{.name = "loads"};
+  for (const auto& [dof, value] : problem.loads) {
+    NodeLoad at{.node = dof.node};
+    (dof.direction < 3 ? at.force : at.moment)[dof.direction % 3] = value;
+    load.loads.push_back(at);
+  }
+  return solve_statics(problem.model, load).displacements;
 }
 
 inline double displacement(const ShellProblem& problem, Eigen::Index node, int direction) {

@@ -299,6 +299,54 @@ TEST(StaticsRefused, EachMistakeHasItsMessage) {
   EXPECT_NE(moment.find("a solid's nodes have no rotations"), std::string::npos) << moment;
 }
 
+TEST(StaticsRefused, LoadsOnNothingAreToldOnceAKind) {
+  SolidProblem solid(
+      {3, 3, 1}, [](const Vector3d& cube) { return cube; }, steel);
+  solid.fix(solid.box.side(2, 0.0), {0, 1, 2});
+  LoadCase load{.name = "turn"};
+  for (const Index node : solid.box.side(2, 1.0)) load.loads.push_back({node, Vector3d::UnitX(), Vector3d::UnitY()});
+  try {
+    solve_statics(solid.model, load);
+    FAIL();
+  } catch (const InvalidInput& error) {
+    EXPECT_EQ(error.issues().size(), 1u) << error.what();
+    EXPECT_NE(std::string(error.what()).find("and 11 more, where there is nothing"), std::string::npos) << error.what();
+  }
+}
+
+TEST(StaticsRefused, GravityAndRotationNeedMass) {
+  auto model = cantilever(2);
+  model.materials["steel"].density = 0.0;
+  const auto told = [&](const LoadCase& load_case) { return message_of([&] { solve_statics(model, load_case); }); };
+  EXPECT_NE(told({.name = "weight", .gravity = {0.0, 0.0, -9.81}}).find("has gravity, but it has no mass"),
+            std::string::npos);
+  EXPECT_NE(told({.name = "spin", .rotation = Rotation{.speed = 2.0}}).find("rotates it, but it has no mass"),
+            std::string::npos);
+  model.masses.push_back({.name = "tip", .node = 2, .mass = 1.0});
+  EXPECT_NO_THROW(solve_statics(model, {.name = "weight", .gravity = {0.0, 0.0, -9.81}}));
+}
+
+TEST(StaticsRefused, MechanismsAreNamedWithTheirReason) {
+  auto hinged = beam_model({2.0, 0.0, 0.0}, 2, rectangular_section(0.04, 0.06));
+  auto& property = std::get<BeamProperty>(hinged.properties.at("line"));
+  property.placements.assign(2, property.placements.front());
+  for (const std::size_t turn : {9u, 10u, 11u}) property.placements[0].released[turn] = true;
+  clamp(hinged, "wall", {0});
+  const auto told = message_of([&] { solve_statics(hinged, {.name = "weight", .gravity = {0.0, 0.0, -9.81}}); });
+  EXPECT_NE(told.find("is a mechanism: it moves without strain at n"), std::string::npos) << told;
+  EXPECT_NE(told.find("hinges"), std::string::npos) << told;
+  SolidProblem block(
+      {1, 1, 1, CellShape::hexahedron20}, [](const Vector3d& cube) { return cube; }, steel, SolidKind::reduced);
+  block.fix({block.box.at(0, 0, 0)}, {0, 1, 2});
+  block.fix({block.box.at(1, 0, 0)}, {1, 2});
+  block.fix({block.box.at(0, 1, 0)}, {2});
+  const auto hourglass = message_of([&] {
+    solve_statics(block.model, {.name = "weight", .gravity = {0.0, 0.0, -9.81}});
+  });
+  EXPECT_NE(hourglass.find("hourglass modes of reduced integration in region 'solid'"), std::string::npos) << hourglass;
+  EXPECT_NE(hourglass.find("`integration: full`"), std::string::npos) << hourglass;
+}
+
 TEST(LoadedFaces, OuterFacesOfSolidsOnly) {
   for (const auto shape : solid_shapes) {
     const SolidProblem problem(

@@ -8,7 +8,8 @@
 #include "base/scratch_folder.hpp"
 #include "kalfem/model/statics/statics.hpp"
 #include "kalfem/model/statics/stresses.hpp"
-#include "model/calculix.hpp"
+#include "model/calculix_deck.hpp"
+#include "model/fe_models.hpp"
 #include "model/shell_models.hpp"
 #include "model/solid_models.hpp"
 
@@ -18,35 +19,11 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector3d;
 
-const IsotropicMaterial steel{2.1e11, 0.3, 7850.0};
-
-void write_mesh(const FiniteElementModel& model, const std::string& type, std::ofstream& deck) {
-  deck.precision(15);
-  deck << "*NODE, NSET=all\n";
-  for (Index i = 0; i < model.mesh.node_count(); ++i)
-    deck << i + 1 << ", " << model.mesh.nodes(0, i) << ", " << model.mesh.nodes(1, i) << ", " << model.mesh.nodes(2, i)
-         << "\n";
-  deck << "*ELEMENT, TYPE=" << type << ", ELSET=all\n";
-  for (const auto& cell : model.mesh.cells) {
-    deck << cell.id;
-    int on_line = 1;
-    for (const Index node : model.mesh.nodes_of(cell)) deck << (on_line++ % 16 == 0 ? ",\n" : ", ") << node + 1;
-    deck << "\n";
-  }
-  deck << "*MATERIAL, NAME=steel\n*ELASTIC\n2.1e11, 0.3\n";
-}
-
 /// Supports and loads of a model, and the output of displacements and nodal stresses.
 void write_step(const FiniteElementModel& model, const Eigen::VectorXd& forces, std::ofstream& deck) {
-  deck << "*BOUNDARY\n";
-  for (const auto& support : model.fixed)
-    for (const Index node : support.nodes)
-      for (int direction = 0; direction < 6; ++direction)
-        if (support.directions[static_cast<std::size_t>(direction)])
-          deck << node + 1 << ", " << direction + 1 << ", " << direction + 1 << "\n";
-  deck << "*STEP\n*STATIC\n*CLOAD\n";
-  for (Index i = 0; i < forces.size(); ++i)
-    if (forces[i] != 0.0) deck << i / 6 + 1 << ", " << i % 6 + 1 << ", " << forces[i] << "\n";
+  write_supports(model, deck);
+  deck << "*STEP\n*STATIC\n";
+  write_forces(forces, deck);
   deck << "*NODE FILE, OUTPUT=2D\nU\n*EL FILE, OUTPUT=2D\nS\n*END STEP\n";
 }
 
@@ -106,8 +83,8 @@ TEST(StressesAgainstCalculiX, QuarterRingOfSolids) {
     const ScratchFolder folder("ring-" + type);
     {
       std::ofstream deck(folder / "ring.inp");
-      write_mesh(ring.problem.model, type, deck);
-      deck << "*SOLID SECTION, ELSET=all, MATERIAL=steel\n";
+      write_mesh(ring.problem.model, type, steel, deck);
+      deck << "*SOLID SECTION, ELSET=all, MATERIAL=material\n";
       write_step(ring.problem.model, nodal_forces(ring.problem.model, ring.loads), deck);
     }
     ASSERT_TRUE(run_calculix(folder, "ring"));
@@ -153,8 +130,8 @@ TEST(StressesAgainstCalculiX, ClampedPlateOfShells) {
   const ScratchFolder folder("plate-S4");
   {
     std::ofstream deck(folder / "plate.inp");
-    write_mesh(problem.model, "S4", deck);
-    deck << "*SHELL SECTION, ELSET=all, MATERIAL=steel\n" << t << "\n";
+    write_mesh(problem.model, "S4", steel, deck);
+    deck << "*SHELL SECTION, ELSET=all, MATERIAL=material\n" << t << "\n";
     write_step(problem.model, nodal_forces(problem.model, loads), deck);
   }
   ASSERT_TRUE(run_calculix(folder, "plate"));

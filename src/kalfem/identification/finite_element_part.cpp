@@ -63,7 +63,7 @@ void require_no_mechanism(const FiniteElementModel& elements, const AssembledMod
     throw InvalidInput("substructure '" + elements.name + "': " + units->what, units->why, units->fix);
   std::string names;
   for (std::size_t i = 0; i < std::min<std::size_t>(free.size(), 10); ++i) names += (i == 0 ? "" : ", ") + free[i];
-  const auto [why, fix] = mechanism_reason(elements, free);
+  const auto [why, fix] = mechanism_reason(elements);
   throw InvalidInput("substructure '" + elements.name + "' is a mechanism: it moves without strain at " + names +
                          (free.size() > 10 ? " and " + std::to_string(free.size() - 10) + " more" : ""),
                      why, fix);

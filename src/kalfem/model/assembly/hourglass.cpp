@@ -23,16 +23,18 @@ std::vector<std::string> reduced_regions(const FiniteElementModel& model) {
   return regions;
 }
 
-std::size_t mechanisms_with_full_integration(FiniteElementModel model, const std::vector<std::string>& regions) {
+std::size_t count_mechanisms(const FiniteElementModel& model) { return find_mechanisms(model, assemble(model)).size(); }
+
+FiniteElementModel integrated_fully(FiniteElementModel model, const std::vector<std::string>& regions) {
   for (const auto& region : regions) std::get<SolidProperty>(model.properties.at(region)).kind = SolidKind::full;
-  return find_mechanisms(model, assemble(model)).size();
+  return model;
 }
 
 }  // namespace
 
-MechanismReason mechanism_reason(const FiniteElementModel& model, const std::vector<std::string>& mechanisms) {
+MechanismReason mechanism_reason(const FiniteElementModel& model) {
   const auto regions = reduced_regions(model);
-  if (regions.empty() || mechanisms_with_full_integration(model, regions) >= mechanisms.size())
+  if (regions.empty() || count_mechanisms(integrated_fully(model, regions)) >= count_mechanisms(model))
     return {"nothing resists these motions: hinges, unrestrained rotations or disconnected parts",
             "fix or connect these degrees of freedom"};
   std::string names;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "kalfem/model/finite_element_model.hpp"
 
@@ -12,8 +11,9 @@ struct MechanismReason {
   std::string why, fix;
 };
 
-/// Tells hourglass modes from other mechanisms, those of find_mechanisms(). A solid of reduced integration has motions
-/// that strain none of its few integration points; the model with full integration has fewer mechanisms then.
-MechanismReason mechanism_reason(const FiniteElementModel& model, const std::vector<std::string>& mechanisms);
+/// Of a model in which find_mechanisms() found some: tells hourglass modes from other mechanisms. A solid of reduced
+/// integration has motions that strain none of its few integration points; the model with full integration has fewer
+/// mechanisms then.
+MechanismReason mechanism_reason(const FiniteElementModel& model);
 
 }  // namespace kalfem

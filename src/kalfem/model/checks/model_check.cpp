@@ -252,7 +252,7 @@ void find_the_mechanisms(const FiniteElementModel& model, const AssembledModel& 
   }
   const auto count = static_cast<Index>(report.mechanisms.size());
   if (count == 0) return;
-  const auto [why, fix] = mechanism_reason(model, report.mechanisms);
+  const auto [why, fix] = mechanism_reason(model);
   report.findings.push_back({Severity::warning, Topic::connections,
                              std::to_string(count) + " motions other than rigid-body motions need no force, at " +
                                  report::listed(report.mechanisms, count),

@@ -5,7 +5,9 @@
 #include <cstdio>
 #include <map>
 
+#include "kalfem/model/assembly/hourglass.hpp"
 #include "kalfem/model/assembly/rigid_body.hpp"
+#include "kalfem/model/checks/single_checks.hpp"
 #include "kalfem/model/statics/equilibrium.hpp"
 
 namespace kalfem {
@@ -78,16 +80,24 @@ std::string motion_in_words(const Eigen::Matrix<double, 6, 1>& motion, const Rig
 
 }  // namespace
 
-std::string free_motions_in_words(const FiniteElementModel& model, const AssembledModel& assembled,
-                                  const std::vector<Index>& held) {
+InvalidInput free_to_move(const FiniteElementModel& model, const AssembledModel& assembled,
+                          const std::vector<Index>& held) {
   const SparseMatrix stiffness = evaluate(assembled.stiffness, assembled.parameters);
   const RigidFrame frame = box_frame(model.mesh);
   const Matrix6X rigid = free_rigid_motions(scaled_motions(model, assembled, frame), stiffness, held);
   std::string words;
   for (const auto& motion : rigid.colwise()) words += (words.empty() ? "" : ", ") + motion_in_words(motion, frame);
-  if (!words.empty()) return "it can " + words;
-  for (const auto& name : find_mechanisms(model, assembled)) words += (words.empty() ? "" : ", ") + name;
-  return words.empty() ? "its stiffness is almost singular" : "it is a mechanism at " + words;
+  if (!words.empty())
+    return {"'" + model.name + "' is free to move: it can " + words, "under a load its displacement has no bounds",
+            "add supports, springs to ground or imposed motions"};
+  const auto mechanisms = find_mechanisms(model, assembled);
+  if (mechanisms.empty())
+    return {"the stiffness of '" + model.name + "' is almost singular", "under a load its displacement has no bounds",
+            "check for springs and materials that are far softer than the rest"};
+  const auto [why, fix] = mechanism_reason(model);
+  const auto count = static_cast<Index>(mechanisms.size());
+  return {"'" + model.name + "' is a mechanism: it moves without strain at " + report::listed(mechanisms, count), why,
+          fix};
 }
 
 }  // namespace kalfem

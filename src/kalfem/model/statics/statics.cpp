@@ -8,6 +8,7 @@
 #include "kalfem/model/assembly/assembly.hpp"
 #include "kalfem/model/assembly/constraints.hpp"
 #include "kalfem/model/assembly/rigid_body.hpp"
+#include "kalfem/model/checks/single_checks.hpp"
 #include "kalfem/model/statics/free_motions.hpp"
 
 namespace kalfem {
@@ -152,17 +153,26 @@ private:
     return list;
   }
 
-  /// A force must act where an element, spring or mass does, itself or through a link.
+  /// A force must act where an element, spring or mass does, itself or through a link; gravity and rotation, on mass.
   void check_loads(const VectorXd& nodal, const LoadCase& load_case, IssueList& issues) const {
     const Eigen::SparseMatrix<double, Eigen::RowMajor> rows = assembled_.expansion;
+    std::vector<std::string> forces, moments;
     for (Index i = 0; i < nodal.size(); ++i)
-      if (nodal[i] != 0.0 && rows.innerVector(i).nonZeros() == 0) {
-        const NodalDof dof{i / 6, static_cast<int>(i % 6)};
-        issues.add({}, title_of(load_case) + " acts on " + dof_name(model_.mesh, dof) + ", where there is nothing",
-                   dof.direction < 3 ? "no element, spring or mass takes a force there"
-                                     : "a solid's nodes have no rotations, so nothing takes a moment there",
-                   "load another node, or link the node rigidly to others");
-      }
+      if (nodal[i] != 0.0 && rows.innerVector(i).nonZeros() == 0)
+        (i % 6 < 3 ? forces : moments).push_back(dof_name(model_.mesh, {i / 6, static_cast<int>(i % 6)}));
+    const auto add = [&](const std::vector<std::string>& dofs, const std::string& why) {
+      if (!dofs.empty())
+        issues.add({},
+                   title_of(load_case) + " acts on " + report::listed(dofs, static_cast<Index>(dofs.size())) +
+                       ", where there is nothing",
+                   why, "load other nodes, or link these rigidly to others");
+    };
+    add(forces, "no element, spring or mass takes a force there");
+    add(moments, "a solid's nodes have no rotations, so nothing takes a moment there");
+    if ((load_case.rotation || !load_case.gravity.isZero(0.0)) && !(mass_properties(assembled_).mass > 0.0))
+      issues.add({},
+                 title_of(load_case) + (load_case.rotation ? " rotates it" : " has gravity") + ", but it has no mass",
+                 "the load is zero", "give its materials a density, or add masses");
   }
 
   [[nodiscard]] std::string title_of(const LoadCase& load_case) const {
@@ -188,9 +198,7 @@ private:
     if (!held_.contains(held)) try {
         held_.try_emplace(held, stiffness_, held);
       } catch (const NotPositiveDefinite&) {
-        throw InvalidInput("'" + model_.name + "' is free to move: " + free_motions_in_words(model_, assembled_, held),
-                           "under a load its displacement has no bounds",
-                           "add supports, springs to ground or imposed motions");
+        throw free_to_move(model_, assembled_, held);
       }
   }
 
