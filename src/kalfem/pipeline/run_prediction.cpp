@@ -79,7 +79,7 @@ ReportedRows reported_rows(const CoupledModel& model, const Place& place) {
   std::vector<Eigen::Triplet<double>> entries;
   for (const auto& name : model.reported_points()) {
     if (!name.starts_with(place.part.name + ".")) continue;
-    const VectorXd dofs = model.motion(name).dofs.segment(place.offset, place.part.model->size());
+    const VectorXd dofs = model.motion(name).dofs(place.dofs);
     for (Index i = 0; i < dofs.size(); ++i)
       if (dofs[i] != 0.0) entries.emplace_back(static_cast<Index>(reported.names.size()), i, dofs[i]);
     reported.names.push_back(name);
