@@ -11,10 +11,11 @@ namespace kalfem {
 
 StudyItem section_with_key(const std::string& key) {
   using enum StudyItem;
-  static constexpr std::array<std::pair<std::string_view, StudyItem>, 19> sections{{{"kalfem", version},
+  static constexpr std::array<std::pair<std::string_view, StudyItem>, 20> sections{{{"kalfem", version},
                                                                                     {"title", title},
                                                                                     {"substructures", substructures},
                                                                                     {"connectors", connectors},
+                                                                                    {"joints", joints},
                                                                                     {"component", component},
                                                                                     {"damping", damping},
                                                                                     {"excitation", excitation},
