@@ -470,7 +470,30 @@ substructures:
       deck: truss.bdf
       format: nastran
       units: {length: 1 mm, mass: 1 t, time: 1 s}
+      temperature: 20
       nodes: {end: 2}
+static: {substructure: truss, deck_cases: true}
+)";
+
+const std::string joined = R"(kalfem: 1
+substructures:
+  left:
+    finite_elements:
+      mesh: plate.msh
+      materials: {steel: {youngs_modulus: 210 GPa, density: 7850 kg/m^3}}
+      regions: {plate: {material: steel, shell: {thickness: 5 mm}}}
+      nodes: {f: far}
+      fixed: {clamp: {nodes: edge}}
+  right:
+    finite_elements:
+      mesh: plate.msh
+      translate: [1 m, 0 m, 0 m]
+      materials: {steel: {youngs_modulus: 210 GPa, density: 7850 kg/m^3}}
+      regions: {plate: {material: steel, shell: {thickness: 5 mm}}}
+      nodes: {u: 4}
+      links: {rigid: {master: u, nodes: edge}}
+joints:
+  hinge: {between: [left.f, right.u], tolerance: 1 um}
 )";
 
 const std::string evolution = R"(kalfem: 1
@@ -558,6 +581,7 @@ std::vector<BaseCase> base_cases() {
           {"plate", plate},
           {"sections", sections},
           {"foreign", foreign},
+          {"joined", joined},
           {"evolution", evolution},
           {"component", component},
           {"sine_component", component_between(sine_motion, random_motion)},
@@ -586,7 +610,7 @@ void write_case_files(const std::filesystem::path& folder) {
   std::ofstream(folder / "map.txt") << "11.3\n12.3\n13.3\n";
   std::ofstream(folder / "truss.bdf")
       << "GRID,1,,0.,0.,0.,,123456\nGRID,2,,100.,0.,0.,,23456\nMAT1,1,2.1+5,,.3,7.85-9\n"
-         "PROD,1,1,10.\nCROD,1,1,1,2\nENDDATA\n";
+         "MATT1,1,5\nTABLEM1,5\n,0.,2.1+5,100.,2.0+5,ENDT\nPROD,1,1,10.\nCROD,1,1,1,2\nFORCE,1,2,,10.,1.\nENDDATA\n";
 }
 
 }  // namespace kalfem::test

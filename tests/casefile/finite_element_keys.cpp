@@ -109,6 +109,34 @@ void decks() {
   near(elements_of(with_elements("deck: bar.inp")).mesh.nodes(0, 1), 500.0);
 }
 
+/// Young's modulus of a deck by its temperature, between rows and beyond them.
+void temperatures_of_decks() {
+  auto text = abaqus_text;
+  const std::string row = "210000., 0.3\n";
+  text.replace(text.find(row), row.size(), "210000., 0.3, 20.\n190000., 0.3, 220.\n");
+  write_file("hot.inp", text);
+  const auto modulus = [](const std::string& more) {
+    return elements_of(with_elements("deck: hot.inp" + more)).materials.begin()->second.youngs_modulus;
+  };
+  near(modulus(", temperature: 120"), 200000.0, many_roundings);
+  near(modulus(", temperature: 500"), 190000.0);
+  near(modulus(""), 210000.0);  // at 0, as the deck states none
+  write_file("bar.inp", abaqus_text);
+  const auto idle = with_elements("deck: bar.inp, temperature: 120");
+  EXPECT_TRUE(std::ranges::any_of(idle.warnings, [](const auto& warning) {
+    return warning.find("no material of the deck depends on it") != std::string::npos;
+  }));
+}
+
+/// The same file at another place.
+void translated_nodes() {
+  const auto here = with_mesh(""), there = with_mesh("translate: [1 m, -2 m, 50 cm]");
+  for (const int node : {0, 3})
+    near(Eigen::VectorXd(elements_of(there).mesh.nodes.col(node) - elements_of(here).mesh.nodes.col(node)),
+         vector({1.0, -2.0, 0.5}));
+  EXPECT_EQ(part_of(with_mesh("translate: [1, 0, 0], nodes: {m: [2, 1, 0]}")).nodes.at(0).node, 2);
+}
+
 /// What a deck lacks is refused but for what the case accepts, which is noted and left out.
 void missing_parts_of_decks() {
   write_file("bar.inp", abaqus_text);
@@ -528,6 +556,8 @@ KeyChecks finite_element_keys() {
   add(at, {"scale"}, meshes);
   add(at + "tables.", {"nodes", "elements", "scale"}, tables);
   add(at, {"deck", "format"}, decks);
+  add(at, {"temperature"}, temperatures_of_decks);
+  add(at, {"translate"}, translated_nodes);
   add(at, {"accept_missing"}, missing_parts_of_decks);
   add(at + "units.", {"length", "mass", "time"}, [] {
     decks();

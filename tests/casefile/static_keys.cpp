@@ -100,6 +100,31 @@ void imposed_displacements() {
   near(imposed[1].value, 0.001);
 }
 
+/// The loads of a deck, in its units, beside those of the case.
+void cases_of_the_deck() {
+  write_file("bar.bdf",
+             "GRID,1,,0.,0.,0.,,123456\nGRID,2,,1000.,0.,0.,,23456\nMAT1,1,2.1+5,,.3,7.85-9\nPROD,1,1,10.\n"
+             "CROD,1,1,1,2\nFORCE,7,2,,10.,3.\nENDDATA\n");
+  const auto with = [](const std::string& statics) {
+    return study_of(beam_case(
+        {{"substructures",
+          "{b: {finite_elements: {deck: bar.bdf, units: {length: 1 mm, mass: 1 t, time: 1 s}, nodes: {tip: 2}}}}"},
+         {"excitation", ""},
+         {"sensors", ""},
+         {"simulate", ""},
+         {"static", "{substructure: b, " + statics + "}"}}));
+  };
+  const auto outcome =
+      run(with("deck_cases: true, cases: {own: {forces: [{at: tip, force: [6 N, 0, 0]}]}}"), Step::statics)
+          .statics.value();
+  ASSERT_EQ(outcome.cases.size(), 2u);
+  EXPECT_EQ(outcome.cases[1].solution.load_case, "load7");
+  near(outcome.cases[1].points.at(0).displacement[0], 30.0 / (2.1e11 * 1e-5));
+  EXPECT_THROW(with("deck_cases: false"), InvalidInput);                                       // no case at all
+  EXPECT_THROW(with("deck_cases: true, cases: {load7: {gravity: [0, 0, 1]}}"), InvalidInput);  // twice one name
+  EXPECT_THROW(with_static("one: {" + push + "}", ", deck_cases: true"), InvalidInput);        // tables, not a deck
+}
+
 void reported_points() {
   EXPECT_EQ(solved("one: {" + push + "}").cases[0].points.size(), 3u);
   const auto points = solved("one: {" + push + "}", ", points: tip").cases[0].points;
@@ -136,6 +161,7 @@ void preload() {
 KeyChecks static_keys() {
   return {{"substructures.*.preload", preload},
           {"static.substructure", substructure_and_cases},
+          {"static.deck_cases", cases_of_the_deck},
           {"static.cases.*.forces[].at", forces_and_moments},
           {"static.cases.*.forces[].force", forces_and_moments},
           {"static.cases.*.forces[].moment", forces_and_moments},

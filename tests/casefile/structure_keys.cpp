@@ -97,6 +97,22 @@ void global_modal_damping_ends_at_its_frequency() {
   EXPECT_GT(kept("{modal: 1 %}").maxCoeff(), few.maxCoeff());  // 500 Hz
 }
 
+/// Two beams, the second at the end of the first or a little beside it, that share the motions of one node.
+void joints_share_degrees_of_freedom() {
+  const auto joined = [](const std::string& place, const std::string& more) {
+    return study_of(
+        beam_case({{"substructures", "{b: {finite_elements: {" + beam_elements() + "}}, c: {finite_elements: {" +
+                                         beam_elements("translate: [" + place + ", 0, 0]") + "}}}"},
+                   {"joints", "{weld: {between: [b.tip, c.mid]" + more + "}}"}}));
+  };
+  const auto study = joined("0.5 m", "");
+  EXPECT_EQ(study.structure->parts.shared.size(), 6u);
+  EXPECT_EQ(system_of(study).size(), 12 + 12 - 6);
+  EXPECT_EQ(study.model->dof_index("b.n3.z"), study.model->dof_index("c.n2.z"));
+  EXPECT_THROW(joined("0.501 m", ""), InvalidInput);
+  EXPECT_EQ(joined("0.501 m", ", tolerance: 2 mm").structure->parts.shared.size(), 6u);
+}
+
 KeyChecks substructure_keys() {
   const std::string at = "substructures.*.";
   return {
@@ -237,6 +253,8 @@ KeyChecks structure_keys() {
          EXPECT_TRUE(study_of(lumped_case()).resolved_case.starts_with("kalfem: 1\n"));
          EXPECT_THROW(study_of(lumped_case({{"kalfem", "2"}})), InvalidInput);
        }},
+      {"joints.*.between", joints_share_degrees_of_freedom},
+      {"joints.*.tolerance", joints_share_degrees_of_freedom},
       {"damping.modal", structure_modal_damping_is_of_the_whole},
       {"damping.up_to", global_modal_damping_ends_at_its_frequency},
   });

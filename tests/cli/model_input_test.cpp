@@ -162,25 +162,25 @@ TEST(Mass, IsTheWholeAndTheFreePartBesideIt) {
 TEST(MissingParts, AreRefusedUnlessTheCaseAcceptsThem) {
   const ScratchFolder folder("missing");
   const std::string deck =
-      plate_deck(rigid_link, "CSHEAR,70,8,21,31,32,22\nPSHEAR,8,9,.001\nFORCE,5,42,,1.,0.,0.,1.\n");
+      plate_deck(rigid_link, "CBEND,70,8,21,31,32,22\nPBEND,8,9,.001\nFORCE,5,42,,1.,0.,0.,1.\n");
   const auto refused = run("modes", folder, deck, case_of("{tip: 42}", ""));
   EXPECT_EQ(refused.code, 2);
-  for (const char* piece : {"plate.bdf:35", "CSHEAR is missing", "accept_missing: [CSHEAR]"})
+  for (const char* piece : {"plate.bdf:35", "CBEND is missing", "accept_missing: [CBEND]"})
     EXPECT_TRUE(holds(refused.errors, piece)) << piece << "\n" << refused.errors;
-  const auto accepted = run("modes", folder, deck, case_of("{tip: 42}", "      accept_missing: [CSHEAR]\n"));
+  const auto accepted = run("modes", folder, deck, case_of("{tip: 42}", "      accept_missing: [CBEND]\n"));
   EXPECT_EQ(accepted.code, 0) << accepted.errors;
-  EXPECT_TRUE(holds(accepted.errors, "CSHEAR")) << accepted.errors;
-  const auto idle = run("modes", folder, deck, case_of("{tip: 42}", "      accept_missing: [CSHEAR, CWELD]\n"));
+  EXPECT_TRUE(holds(accepted.errors, "CBEND")) << accepted.errors;
+  const auto idle = run("modes", folder, deck, case_of("{tip: 42}", "      accept_missing: [CBEND, CWELD]\n"));
   EXPECT_EQ(idle.code, 2);
   EXPECT_TRUE(holds(idle.errors, "case.yaml:7") && holds(idle.errors, "'CWELD'")) << idle.errors;
 }
 
 TEST(MissingParts, AreErrorsOfADeckThatIsCheckedAlone) {
   const ScratchFolder folder("missing-deck");
-  write(folder / "plate.bdf", plate_deck(rigid_link, "CSHEAR,70,8,21,31,32,22\nFORCE,5,42,,1.,0.,0.,1.\n"));
+  write(folder / "plate.bdf", plate_deck(rigid_link, "CBEND,70,8,21,31,32,22\nFORCE,5,42,,1.,0.,0.,1.\n"));
   const auto outcome = run_command("check " + (folder / "plate.bdf").string(), folder);
   EXPECT_EQ(outcome.code, 2) << outcome.output;
-  EXPECT_TRUE(holds(outcome.output, "error: ") && holds(outcome.output, "CSHEAR")) << outcome.output;
+  EXPECT_TRUE(holds(outcome.output, "error: ") && holds(outcome.output, "CBEND")) << outcome.output;
   EXPECT_TRUE(holds(outcome.output, "not used: ")) << outcome.output;
 }
 

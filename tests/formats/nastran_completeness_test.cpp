@@ -24,11 +24,11 @@ const std::string bar = "GRID,1\nGRID,2,,1.,0.,0.\nCBAR,1,1,1,2,0.,0.,1.\nPBAR,1
 
 TEST(NastranCompleteness, StiffnessMassAndConnectionsThatAreNotReadAreMissing) {
   const auto deck = nastran(bar +
-                            "CSHEAR,7,1,1,2,1,2\nCSHEAR,8,1,1,2,1,2\nCWELD,9,1\nNSM1,3,PBAR,NSM,1.,1\nGENEL,11\n"
+                            "CBEND,7,1,1,2,1,2\nCBEND,8,1,1,2,1,2\nCWELD,9,1\nNSM1,3,PBAR,NSM,1.,1\nGENEL,11\n"
                             "CGAP,12,1,1,2\nCXYZ,13,1,1,2\nENDDATA\n");
-  for (const char* what : {"CSHEAR", "CWELD", "NSM1", "GENEL", "CGAP", "CXYZ"})
+  for (const char* what : {"CBEND", "CWELD", "NSM1", "GENEL", "CGAP", "CXYZ"})
     EXPECT_EQ(kind_of(deck, what), DeckNoteKind::missing) << what;
-  EXPECT_EQ(std::ranges::find(deck.notes, "CSHEAR", &DeckNote::what)->count, 2u);
+  EXPECT_EQ(std::ranges::find(deck.notes, "CBEND", &DeckNote::what)->count, 2u);
 }
 
 TEST(NastranCompleteness, LoadsAndOutputAreNoneOfTheModel) {
@@ -44,7 +44,7 @@ TEST(NastranCompleteness, MatricesOfTheCaseControlThatAreNotReadAreMissing) {
 }
 
 TEST(NastranCompleteness, WhatIsAcceptedIsAWarningAndTheRestIsRefused) {
-  auto deck = nastran(bar + "CSHEAR,7,1,1,2,1,2\nCWELD,9,1\nENDDATA\n");
+  auto deck = nastran(bar + "CBEND,7,1,1,2,1,2\nCWELD,9,1\nENDDATA\n");
   auto notes = deck.notes;
   IssueList issues;
   EXPECT_EQ(accept_missing(notes, {"cshear", "CFAST"}, issues), std::vector<std::string>{"CFAST"});
@@ -52,7 +52,7 @@ TEST(NastranCompleteness, WhatIsAcceptedIsAWarningAndTheRestIsRefused) {
   EXPECT_EQ(issues.issues()[0].location.line, 8);
   EXPECT_NE(issues.issues()[0].what.find("CWELD"), std::string::npos);
   EXPECT_NE(issues.issues()[0].fix.find("accept_missing: [CWELD]"), std::string::npos);
-  EXPECT_EQ(std::ranges::find(notes, "CSHEAR", &DeckNote::what)->kind, DeckNoteKind::doubtful);
+  EXPECT_EQ(std::ranges::find(notes, "CBEND", &DeckNote::what)->kind, DeckNoteKind::doubtful);
 }
 
 TEST(NastranCompleteness, DeckThatEndsWithoutEnddataIsRefused) {

@@ -324,12 +324,21 @@ Schema<Case> case_schema() {
           .optional("up_to", &GlobalModalDamping::up_to, number("Hz", plausible::frequency()),
                     "finite elements only: modes up to this frequency have their own ratio; higher modes share the "
                     "damping rate of the last one");
+  const auto joint =
+      Fields<Joint>()
+          .required("between", &Joint::between, tuple<2>(name()),
+                    "two groups of nodes that lie at the same places, substructure.group: a group of the mesh, a node "
+                    "set of the deck, or one of `nodes`")
+          .optional("tolerance", &Joint::tolerance, number("m", plausible::length()),
+                    "largest distance of two nodes that are joined; default: a thousandth of the elements' size");
   const auto all = mapping(
       Fields<Case>()
           .required("kalfem", &Case::version, integer(1, 1), "version of the case-file format")
           .optional("title", &Case::title, text(), "title of the report, in one line")
           .optional("substructures", &Case::substructures, named(substructure()), "linear parts")
           .optional("connectors", &Case::connectors, named(connector()), "local nonlinear elements between two points")
+          .optional("joints", &Case::joints, named(mapping(joint)),
+                    "rigid joints of finite-element substructures: coincident nodes of two groups move as one")
           .optional("component", &Case::component, located(component()),
                     "one connector law on a test machine: its motion is imposed and measured, and a sensor of `force: "
                     "component` measures its force; instead of substructures")

@@ -228,6 +228,7 @@ struct Case {
   std::string title;
   Named<Substructure> substructures;
   Named<Connector> connectors;
+  Named<Joint> joints;
   std::optional<Located<Component>> component;
   std::optional<Located<GlobalModalDamping>> damping;
   Named<Excitation> excitation;

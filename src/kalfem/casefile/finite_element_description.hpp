@@ -103,7 +103,8 @@ struct DeckFile {
   Located<std::filesystem::path> file;
   DeckFormat format = DeckFormat::automatic;
   UnitSystem units;
-  std::vector<Name> accept_missing;  ///< cards or keywords with stiffness, mass or connections that are not read
+  std::optional<double> temperature;  ///< of the materials, in the deck's unit; if empty, as the deck says
+  std::vector<Name> accept_missing;   ///< cards or keywords with stiffness, mass or connections that are not read
 };
 /// Stiffness, mass and damping in one file or several, by the names of the matrices in the file.
 struct MatrixSet {
@@ -119,6 +120,7 @@ struct MatrixFiles {
 };
 struct FiniteElements {
   std::variant<MeshFile, TableFiles, DeckFile, MatrixFiles> source;
+  std::array<double, 3> translate{};  ///< of all nodes [m]
   Named<Material> materials;
   Named<Region> regions;
   Named<Located<NodePlace>> nodes;
@@ -137,6 +139,11 @@ struct Reduction {
   std::optional<double> up_to, effective_mass;
   bool augmentation_vectors = true;
   std::vector<Name> boundary;
+};
+/// Two groups of coincident nodes that move as one.
+struct Joint {
+  std::array<Name, 2> between;      ///< "substructure.group"
+  std::optional<double> tolerance;  ///< largest distance of two nodes that are joined [m]
 };
 
 }  // namespace kalfem::description

@@ -198,9 +198,12 @@ Schema<FiniteElements> finite_elements() {
                                         {"nastran", DeckFormat::nastran, "Nastran bulk data"}}),
                     "format of the deck")
           .optional("units", &DeckFile::units, units(), "consistent units of its numbers; default: SI")
+          .optional("temperature", &DeckFile::temperature, number("-"),
+                    "temperature at which materials that depend on it are taken, in the deck's unit of temperature; "
+                    "default: the initial temperature in the deck")
           .optional("accept_missing", &DeckFile::accept_missing, one_or_list(name()),
                     "cards or keywords with stiffness, mass or connections that kalfem cannot read and that may be "
-                    "left out of the model, such as CSHEAR");
+                    "left out of the model, such as CBEND");
   const auto matrices =
       Fields<MatrixFiles>()
           .required("matrices", &MatrixFiles::sets, one_or_list(matrix_set()),
@@ -219,6 +222,8 @@ Schema<FiniteElements> finite_elements() {
           .one_of(&FiniteElements::source, when(mesh),
                   when("tables", mapping(tables), "tables of nodes and beam elements (stick model)"), when(deck),
                   when(matrices))
+          .optional("translate", &FiniteElements::translate, tuple<3>(number("m", plausible::position())),
+                    "displacement of all nodes before anything else refers to their places: one file at several places")
           .optional("materials", &FiniteElements::materials, named(material()),
                     "materials by name; for a deck: those to replace")
           .optional("regions", &FiniteElements::regions, named(region()),
@@ -264,8 +269,9 @@ Schema<Reduction> reduction() {
                     "modal truncation augmentation vectors: static shapes under boundary acceleration that correct for "
                     "the modes left out, one per boundary degree of freedom")
           .optional("boundary", &Reduction::boundary, list(name()),
-                    "boundary: nodes (their translations) or node.direction, also on rigid and weighted links; "
-                    "default: the nodes that connectors and forces touch"));
+                    "boundary: nodes (their translations), node.direction, also on rigid and weighted links, or groups "
+                    "of nodes (all their motions); default: the nodes that connectors and forces touch. Groups that "
+                    "`joints` name always belong to it"));
 }
 
 }  // namespace kalfem::description

@@ -39,6 +39,7 @@ struct StaticCase {
 struct Statics {
   Name substructure;
   Named<Located<StaticCase>> cases;
+  Located<bool> deck_cases;  ///< the load cases of its deck too
   std::vector<Name> points;  ///< whose displacement and stress are reported; if empty, all named nodes
 };
 

@@ -64,9 +64,15 @@ Schema<Statics> statics() {
   return mapping(
       Fields<Statics>()
           .required("substructure", &Statics::substructure, name(), "finite-element substructure that is loaded")
-          .required("cases", &Statics::cases, named(located(static_case())), "load cases by names of your own")
+          .optional("cases", &Statics::cases, named(located(static_case())), "load cases by names of your own")
+          .optional("deck_cases", &Statics::deck_cases, located(boolean()),
+                    "the load cases of the deck too, by its names: step1, subcase2")
           .optional("points", &Statics::points, one_or_list(name()),
-                    "named nodes whose displacement and stress are reported; default: all `nodes`"));
+                    "named nodes whose displacement and stress are reported; default: all `nodes`")
+          .check([](const Statics& given) -> std::vector<Issue> {
+            if (!given.cases.empty() || given.deck_cases.value) return {};
+            return {{{}, "there is no load case", "nothing would be solved", "give `cases`, or `deck_cases: true`"}};
+          }));
 }
 
 }  // namespace kalfem::description

@@ -20,16 +20,19 @@ using DeckLoader = std::function<std::string(const std::filesystem::path&)>;
 ///   its elements need several properties (kinds of solids, axes of a material), the first keeps the name and further
 ///   ones are "NAME.2", "NAME.3". A later section over the same elements replaces an earlier one.
 /// * Boundary conditions hold that stand outside of steps or in the first step (OP=NEW there lifts the earlier ones);
-///   a prescribed motion counts as held. Everything else in steps is passed over.
+///   a prescribed motion counts as held. Everything else in steps is passed over, but for the loads of static steps where
+///   load cases are asked for.
+/// * Materials that depend on temperature are taken at one, see DeckOptions.
 /// * 8-node and 6-node shells and 3-node beams become linear elements on the same nodes (replace_quadratic), trusses
 ///   springs along their axis with half their mass at each end.
 /// * Boundary conditions, equations and ties of nodes that follow others act on what leads them.
 ///
 /// What has no part in the result stands in the notes. What the model would be incomplete without, and what cannot be
 /// understood, throws InvalidInput with file and line, up to 20 problems together.
-Deck read_abaqus(const std::filesystem::path& file);
+Deck read_abaqus(const std::filesystem::path& file, const DeckOptions& options = {});
 
 /// The same from text. `source` names it in messages and is what included files are looked up beside.
-Deck parse_abaqus(std::string content, const std::string& source, const DeckLoader& loader);
+Deck parse_abaqus(std::string content, const std::string& source, const DeckLoader& loader,
+                  const DeckOptions& options = {});
 
 }  // namespace kalfem

@@ -76,9 +76,10 @@ bool is_deck(const std::filesystem::path& file) {
   return std::ranges::find(endings, ending_of(file)) != endings.end();
 }
 
-Deck read_deck(const std::filesystem::path& file, DeckFormat format) {
-  if (format == DeckFormat::automatic) format = ending_of(file) == ".inp" ? DeckFormat::abaqus : DeckFormat::nastran;
-  return format == DeckFormat::abaqus ? read_abaqus(file) : read_nastran(file);
+Deck read_deck(const std::filesystem::path& file, const DeckOptions& options) {
+  const bool is_inp = ending_of(file) == ".inp";
+  const bool is_abaqus = options.format == DeckFormat::abaqus || (options.format == DeckFormat::automatic && is_inp);
+  return is_abaqus ? read_abaqus(file, options) : read_nastran(file, options);
 }
 
 }  // namespace kalfem

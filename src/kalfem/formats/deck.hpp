@@ -2,12 +2,14 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "kalfem/model/finite_element_model.hpp"
+#include "kalfem/model/statics/load_case.hpp"
 
 namespace kalfem {
 
@@ -33,7 +35,8 @@ struct DeckNote {
 /// A model out of another code's input file, in the file's own units, with what was left out of it.
 struct Deck {
   FiniteElementModel model;
-  std::vector<DeckNote> notes;  ///< in the order of their first places
+  std::vector<DeckNote> notes;            ///< in the order of their first places
+  std::vector<LoadCase> load_cases = {};  ///< if they are asked for, see DeckOptions
 };
 
 /// Notes by kind: the first place is kept, further ones are counted.
@@ -58,8 +61,14 @@ enum class DeckFormat { automatic, abaqus, nastran };
 /// Whether a file's name ends as those of decks do: .inp, .bdf, .dat, .nas, .blk, in any case.
 bool is_deck(const std::filesystem::path& file);
 
-/// Reads another code's input file, see abaqus.hpp and nastran.hpp. `automatic`: a name that ends in .inp is of Abaqus
-/// or CalculiX, any other of Nastran.
-Deck read_deck(const std::filesystem::path& file, DeckFormat format = DeckFormat::automatic);
+struct DeckOptions {
+  DeckFormat format = DeckFormat::automatic;  ///< a name that ends in .inp is of Abaqus or CalculiX, others of Nastran
+  std::optional<double> temperature = {};     ///< at which materials are taken, in the deck's unit; empty: the deck's
+                                              ///< initial temperature
+  bool load_cases = false;                    ///< read the static load cases too
+};
+
+/// Reads another code's input file, see abaqus.hpp and nastran.hpp.
+Deck read_deck(const std::filesystem::path& file, const DeckOptions& options = {});
 
 }  // namespace kalfem

@@ -17,10 +17,14 @@ namespace kalfem {
 ///
 /// Read are
 /// * GRID GRDSET SPOINT, CORD1R/C/S CORD2R/C/S;
-/// * CQUAD4 CQUADR CQUAD8 CTRIA3 CTRIAR CTRIA6 with PSHELL, PCOMP, PCOMPG; CHEXA CPENTA CTETRA CPYRAM with PSOLID;
+/// * CQUAD4 CQUADR CQUAD8 CTRIA3 CTRIAR CTRIA6 with PSHELL, PCOMP, PCOMPG; CSHEAR with PSHEAR; CHEXA CPENTA CTETRA
+///   CPYRAM with PSOLID;
 /// * CBAR CBEAM with PBAR PBARL PBEAM PBEAML, BAROR BEAMOR; CROD CONROD CTUBE with PROD PTUBE;
 /// * CELAS1-4 CDAMP1-4 CMASS1-4 CBUSH CBUSH1D CVISC with PELAS PDAMP PMASS PBUSH PBUSH1D PVISC; CONM1 CONM2;
-/// * MAT1 MAT2 MAT8 MAT9; RBE1 RBE2 RBE3 RBAR RROD; MPC MPCADD SPC SPC1 SPCADD; DMIG;
+/// * MAT1 MAT2 MAT8 MAT9, by temperature with MATT1 MATT2 MATT8 MATT9, TABLEM1-4, TEMP TEMPD;
+/// * RBE1 RBE2 RBE3 RBAR RROD; MPC MPCADD SPC SPC1 SPCADD; DMIG;
+/// * if load cases are asked for, FORCE MOMENT PLOAD2 PLOAD4 GRAV LOAD SPCD and the D of SPC, one case a subcase with its
+///   LOAD;
 /// * PARAM WTMASS, COUPMASS (lumped mass without it), AUTOSPC (on without it).
 /// Components at a node (SPC, MPC, RBE, CELAS, DMIG, ...) act in its displacement system CD. Loads, solution requests
 /// and everything else that is not part of K, M and C is passed over or becomes a note of its class. Elements that are
@@ -35,13 +39,14 @@ namespace kalfem {
 /// Throws InvalidInput with file and line for what cannot be understood or does not fit together: fields that are no
 /// numbers, missing nodes, systems, properties and materials, numbers given twice, unknown section types, replicated
 /// cards; the first 20 together.
-Deck read_nastran(const std::filesystem::path& file);
+Deck read_nastran(const std::filesystem::path& file, const DeckOptions& options = {});
 
 /// Gives the content of an included file; throws InvalidInput where it cannot be read.
 using NastranIncludes = std::function<std::string(const std::filesystem::path&)>;
 
 /// The same from a file's content; `source` names it in messages, and the folder that its INCLUDEs are relative to.
 /// Without `includes` an INCLUDE is a problem.
-Deck parse_nastran(std::string content, const std::string& source, const NastranIncludes& includes = {});
+Deck parse_nastran(std::string content, const std::string& source, const NastranIncludes& includes = {},
+                   const DeckOptions& options = {});
 
 }  // namespace kalfem

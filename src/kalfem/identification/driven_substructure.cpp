@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "kalfem/linalg/sparse_operations.hpp"
 #include "kalfem/model/node_points.hpp"
 
 namespace kalfem {
@@ -23,8 +24,9 @@ std::vector<Index> boundary_of(const StructureModel& structure, const CoupledMod
       for (const auto& name : elements.part->boundary) boundary.push_back(std::ranges::find(dofs, name) - dofs.begin());
   if (!boundary.empty()) return boundary;
   for (Index i = 0; i < place.part.model->size(); ++i)
-    if (std::ranges::any_of(model.system().connectors,
-                            [&](const auto& connector) { return connector.deformation[place.offset + i] != 0.0; }))
+    if (std::ranges::any_of(model.system().connectors, [&](const auto& connector) {
+          return connector.deformation[place.dofs[static_cast<std::size_t>(i)]] != 0.0;
+        }))
       boundary.push_back(i);
   return boundary;
 }
@@ -50,7 +52,7 @@ std::vector<AppliedInput> applied_inputs(const StructureModel& structure, const 
     Input own = inputs[i];
     bool acts = false;
     for (auto* load : {&own.value, &own.rate, &own.acceleration}) {
-      *load = VectorXd(load->segment(place.offset, place.part.model->size()));
+      *load = VectorXd((*load)(place.dofs));
       acts = acts || !load->isZero();
     }
     if (acts) applied.push_back({own, structure.signals[i]});
@@ -62,21 +64,18 @@ std::vector<AppliedInput> applied_inputs(const StructureModel& structure, const 
 LinearModel damped_part(const CoupledModel& model, const Place& place) {
   LinearModel part = *place.part.model;
   const auto& system = model.system();
-  part.damping = system.damping.block(place.offset, place.offset, part.size(), part.size());
+  part.damping = select(system.damping, place.dofs, place.dofs);
   part.modal_damping = system.modal_damping;
-  part.modal_damping.modes.shapes = system.modal_damping.modes.shapes.middleRows(place.offset, part.size());
+  part.modal_damping.modes.shapes = system.modal_damping.modes.shapes(place.dofs, Eigen::all);
   return part;
 }
 
 /// Degrees of freedom of other substructures whose motion is estimated individually.
 std::vector<Index> outside(const CoupledModel& model, const Place& place) {
   std::vector<Index> dofs;
-  Index offset = 0;
-  for (const auto& part : model.substructures()) {
+  for (const auto& part : model.substructures())
     if (part.name != place.part.name && !part.model->points_only)
-      for (Index i = 0; i < part.model->size(); ++i) dofs.push_back(offset + i);
-    offset += part.model->size();
-  }
+      for (const Index dof : model.find_substructure(part.name).dofs) dofs.push_back(dof);
   return dofs;
 }
 
@@ -84,13 +83,13 @@ std::vector<Index> outside(const CoupledModel& model, const Place& place) {
 MatrixXd cross_damping_of(const CoupledModel& model, const Place& place, const std::vector<Index>& dofs) {
   const auto& [modes, rates] = model.system().modal_damping;
   const MatrixXd mass_weighted_modes = model.system().mass * modes.shapes;
-  return mass_weighted_modes.middleRows(place.offset, place.part.model->size()) * rates.asDiagonal() *
+  return mass_weighted_modes(place.dofs, Eigen::all) * rates.asDiagonal() *
          MatrixXd(mass_weighted_modes(dofs, Eigen::all)).transpose();
 }
 
 Place place_of(const CoupledModel& model, const std::string& substructure) {
   const auto found = model.find_substructure(substructure);
-  return {found.part, found.offset};
+  return {found.part, found.dofs};
 }
 
 BaseDrivenSubstructure driven_part(const CoupledModel& model, const Place& place, std::vector<Index> boundary) {

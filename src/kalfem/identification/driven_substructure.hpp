@@ -12,11 +12,11 @@ public:
   /// `model`: the whole structure, with the inputs of `structure`. Throws InvalidInput as BaseDrivenSubstructure.
   DrivenSubstructure(const StructureModel& structure, const CoupledModel& model, const std::string& substructure);
 
-  /// The substructure, and where its degrees of freedom begin in the whole model. It shares the matrices and does not
+  /// The substructure, and the places of its degrees of freedom in the whole model. It shares the matrices and does not
   /// need the model any more.
   struct Place {
     Substructure part;
-    Eigen::Index offset;
+    std::vector<Eigen::Index> dofs;
   };
   [[nodiscard]] const Place& place() const { return place_; }
   /// Qualified points whose motion drives it: one a boundary degree of freedom, then those outside that pull at it by

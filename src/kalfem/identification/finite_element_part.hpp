@@ -10,6 +10,7 @@
 #include "kalfem/model/assembly/fe_linear_model.hpp"
 #include "kalfem/model/assembly/rigid_body.hpp"
 #include "kalfem/model/gauges/strain_gauge.hpp"
+#include "kalfem/model/statics/load_case.hpp"
 #include "kalfem/reduction/superelement.hpp"
 
 namespace kalfem {
@@ -23,6 +24,7 @@ struct FiniteElementPart {
   Eigen::Vector3d moving_mass = Eigen::Vector3d::Zero();  ///< that the free part moves along x, y, z [kg]
   std::vector<NamedNode> nodes;
   std::map<std::string, std::vector<Eigen::Index>> load_groups = {};  ///< cells of the groups that loads name
+  std::vector<LoadCase> deck_cases = {};                              ///< static load cases of its deck
   SparseMatrix preload_stiffness = {};                 ///< of stresses that it carries, 6 to a node; empty: none
   std::shared_ptr<const StiffnessFactor> factor = {};  ///< of `full`, where it is at hand
   LinearModel full;                                    ///< with its damping

@@ -28,6 +28,7 @@ LocalModel::LocalModel(const LocalModelOptions& local, StructureParts& parts, Is
 // measured.
 void LocalModel::apply(AugmentedModelSetup& setup) {
   check_names();
+  check_joints();
   const auto grounds = grounds_left_out();
   std::erase_if(parts_.substructures, [&](const auto& part) { return !kept_.contains(part.name); });
   std::erase_if(parts_.finite_elements, [&](const auto& part) { return !kept_.contains(part.name); });
@@ -69,6 +70,19 @@ void LocalModel::check_names() {
     if (std::ranges::find(known, name.value) == known.end())
       issues_.add(name.location,
                   name.path + ": there is no substructure '" + name.value + "'" + did_you_mean(name.value, known));
+}
+
+/// Joined substructures are one body: they stay together, or are left out together.
+void LocalModel::check_joints() {
+  for (const auto& [first, second] : parts_.shared)
+    if (belongs(first, kept_) != belongs(second, kept_)) {
+      const auto& place = local_.substructures.front();
+      issues_.add(place.location,
+                  place.path + ": the joint of '" + first + "' and '" + second + "' leads out of the local model",
+                  "the forces in a joint are no interface", "name both substructures, or neither");
+      break;
+    }
+  std::erase_if(parts_.shared, [&](const SharedDof& dof) { return !belongs(dof.first, kept_); });
 }
 
 /// Grounds of dropped substructures. Their motion is known, as they are either fixed or driven.

@@ -20,6 +20,7 @@ public:
 
 private:
   void check_names();
+  void check_joints();
   [[nodiscard]] std::vector<std::string> grounds_left_out() const;
   void keep_grounds(const std::vector<std::string>& grounds);
   [[nodiscard]] bool remains(InputDescription& input) const;

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <iomanip>
 #include <limits>
+#include <numeric>
 #include <sstream>
 
 #include "kalfem/identification/refined_filter.hpp"
+#include "kalfem/linalg/sparse_operations.hpp"
 #include "kalfem/updating/residual.hpp"
 
 namespace kalfem {
@@ -36,7 +38,9 @@ BoundaryMotion motion_from(const MatrixXd& monitored, Index first) {
 /// Rows of the sensors' quantities over the substructure's degrees of freedom.
 SparseRows rows_of(const OutputMap& outputs, const DrivenSubstructure::Place& place) {
   const SparseRows sum = outputs.displacement + outputs.velocity + outputs.acceleration;  // one of them each
-  return sum.middleCols(place.offset, place.part.model->size());
+  std::vector<Index> all(static_cast<std::size_t>(sum.rows()));
+  std::iota(all.begin(), all.end(), Index{0});
+  return select(sum, all, place.dofs);
 }
 
 /// T_d r + T_v r' + T_a r'': what the sensors see of the base's own motion, samples x sensors.
@@ -194,9 +198,9 @@ RecordResidual::Estimate RecordResidual::structure_of(const StructureParts& part
 /// The substructure's own part of the augmented state at the first predicted sample.
 void RecordResidual::set_start(const VectorXd& state, Index velocity, Estimate& estimate) const {
   if (problem_->settings.local) return;
-  const Index offset = estimate.drive->place().offset, n = estimate.drive->place().part.model->size();
-  estimate.start.displacement = state.segment(offset, n);
-  estimate.start.velocity = state.segment(velocity + offset, n);
+  const auto& dofs = estimate.drive->place().dofs;
+  estimate.start.displacement = state(dofs);
+  estimate.start.velocity = state.tail(state.size() - velocity)(dofs);
 }
 
 std::optional<RecordResidual::Estimate> RecordResidual::estimate_at(const StructureParts& parts,

@@ -15,7 +15,7 @@ CoupledModel couple(const StructureParts& parts) {
   std::vector<Substructure> assembled;
   for (const auto& part : parts.substructures) assembled.push_back({part.name, assemble(part)});
   assembled.insert(assembled.end(), parts.finite_elements.begin(), parts.finite_elements.end());
-  return {std::move(assembled), parts.connectors, parts.inputs, parts.damping};
+  return {std::move(assembled), parts.connectors, parts.inputs, parts.damping, parts.shared};
 }
 
 namespace {

@@ -19,6 +19,7 @@ struct StructureParts {
   std::vector<ConnectorDescription> connectors;
   std::vector<InputDescription> inputs;
   std::optional<GlobalModalDamping> damping = {};
+  std::vector<SharedDof> shared = {};  ///< of the finite elements, where they are joined
 };
 
 /// Qualified names of all grounds.

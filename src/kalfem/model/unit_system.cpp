@@ -113,6 +113,18 @@ void to_si(FiniteElementModel& model, const UnitSystem& units) {
   for (auto& constraint : model.constraints) convert(constraint, unit);
 }
 
+void to_si(LoadCase& load_case, const UnitSystem& units) {
+  const Derived unit(units);
+  for (auto& load : load_case.loads) {
+    load.force *= unit.force;
+    load.moment *= unit.force * unit.length;
+  }
+  for (auto& pressure : load_case.pressures) pressure.pressure *= unit.pressure;
+  load_case.gravity *= unit.length / (units.time * units.time);
+  for (auto& motion : load_case.imposed)
+    if (motion.dof.direction < 3) motion.value *= unit.length;
+}
+
 Eigen::VectorXd unit_factors(const std::vector<int>& directions, const UnitSystem& units) {
   Eigen::VectorXd factors(static_cast<Eigen::Index>(directions.size()));
   for (Eigen::Index i = 0; i < factors.size(); ++i) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "kalfem/model/finite_element_model.hpp"
+#include "kalfem/model/statics/load_case.hpp"
 
 namespace kalfem {
 
@@ -13,6 +14,8 @@ struct UnitSystem {
 
 /// Numbers of a model from its units to SI: coordinates, materials, sections, masses, springs, matrices.
 void to_si(FiniteElementModel& model, const UnitSystem& units);
+/// The same of loads and imposed motions.
+void to_si(LoadCase& load_case, const UnitSystem& units);
 
 /// Factors d_i with which matrices over displacements of the kinds given become SI,
 ///     K_SI = mass / time^2 diag(d) K diag(d),  C_SI = mass / time diag(d) C diag(d),  M_SI = mass diag(d) M diag(d):

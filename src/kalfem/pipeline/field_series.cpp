@@ -27,7 +27,7 @@ Index samples_between(const Study& study) {
 FieldCollector::FieldCollector(const Study& study) : study_(study), elements_(pictured(study)) {
   if (!elements_) return;
   series_ = {elements_->part->name + "_simulated", elements_->part->name, {}, {}};
-  offset_ = study.model->find_substructure(elements_->part->name).offset;
+  dofs_ = study.model->find_substructure(elements_->part->name).dofs;
 }
 
 void FieldCollector::attach(SimulationOptions& options) {
@@ -42,10 +42,8 @@ void FieldCollector::add(double time, const VectorXd& displacement) {
     series_.times.clear();
     frames_.clear();
   }
-  const auto& reference = elements_->reference;
-  const Index size = reference ? reference->model.size() : elements_->part->full.size();
   series_.times.push_back(time);
-  frames_.emplace_back(displacement.segment(offset_, size));
+  frames_.emplace_back(displacement(dofs_));
 }
 
 std::optional<FieldSeries> FieldCollector::take() {
@@ -69,8 +67,7 @@ std::optional<FieldSeries> estimated_fields(const Study& study, const Estimation
     samples.push_back(k);
     series.times.push_back(outcome.measurements.time(k));
   }
-  const auto rows =
-      Eigen::seqN(study.augmented_model->model->find_substructure(name).offset, elements->reduced->model.size());
+  const auto& rows = study.augmented_model->model->find_substructure(name).dofs;
   series.displacement = elements->reduced->recover(outcome.result.state.mean(rows, samples));
   return series;
 }

@@ -79,7 +79,7 @@ ReportedRows reported_rows(const CoupledModel& model, const Place& place) {
   std::vector<Eigen::Triplet<double>> entries;
   const auto own = [&](const std::string& name) { return name.starts_with(place.part.name + "."); };
   const auto add = [&](const VectorXd& all, Index row) {
-    const VectorXd dofs = all.segment(place.offset, place.part.model->size());
+    const VectorXd dofs = all(place.dofs);
     for (Index i = 0; i < dofs.size(); ++i)
       if (dofs[i] != 0.0) entries.emplace_back(row, i, dofs[i]);
   };

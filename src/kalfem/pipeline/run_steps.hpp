@@ -31,7 +31,7 @@ private:
 
   const Study& study_;
   const FiniteElementSubstructure* elements_ = nullptr;
-  Eigen::Index offset_ = 0;
+  std::vector<Eigen::Index> dofs_;  ///< of the substructure in the system
   FieldSeries series_;
   std::vector<Eigen::VectorXd> frames_;
 };

@@ -74,8 +74,8 @@ std::vector<std::string> names_of(const Map& map) {
 /// issue with its place, and the building continues.
 class Builder {
 public:
-  Builder(const std::string& name, const d::Substructure& given, const std::vector<std::string>& load_groups)
-      : name_(name), given_(given), fe_(*given.finite_elements), loaded_(load_groups) {}
+  Builder(const std::string& name, const d::Substructure& given, const UsedGroups& used)
+      : name_(name), given_(given), fe_(*given.finite_elements), used_(used) {}
 
   NamedElements build() {
     read_source();
@@ -90,7 +90,8 @@ public:
     auto load_groups = cells_of_load_groups();
     forget_groups_of_nodes();
     issues_.raise();
-    return {std::move(model_), std::move(nodes_), std::move(gauges_), std::move(notes_), std::move(load_groups)};
+    return {std::move(model_), std::move(nodes_),      std::move(gauges_),
+            std::move(notes_), std::move(load_groups), std::move(deck_cases_)};
   }
 
 private:
@@ -103,6 +104,7 @@ private:
       issues.raise();
     }
     model_.name = name_;
+    model_.mesh.nodes.colwise() += vector(fe_.translate);
     if (fe_.mass_matrix) model_.mass_kind = *fe_.mass_matrix;
   }
 
@@ -124,11 +126,14 @@ private:
   }
 
   void read(const d::DeckFile& file) {
-    Deck deck = read_deck(file.file.value, file.format);
+    Deck deck = read_deck(file.file.value,
+                          {.format = file.format, .temperature = file.temperature, .load_cases = used_.deck_cases});
     accept_missing(deck.notes, file);
     model_ = std::move(deck.model);
     notes_ = std::move(deck.notes);
+    deck_cases_ = std::move(deck.load_cases);
     to_si(model_, file.units);
+    for (auto& load_case : deck_cases_) to_si(load_case, file.units);
   }
 
   void accept_missing(std::vector<DeckNote>& notes, const d::DeckFile& file) {
@@ -389,28 +394,32 @@ private:
 
   [[nodiscard]] std::map<std::string, std::vector<Index>> cells_of_load_groups() const {
     std::map<std::string, std::vector<Index>> groups;
-    for (const auto& group : loaded_)
+    for (const auto& group : used_.loaded)
       if (const auto region = model_.mesh.regions.find(group); region != model_.mesh.regions.end())
         groups.insert(*region);
     return groups;
   }
 
-  /// Removes groups of cells that only name nodes for supports, links or loads: they need no property.
+  /// Removes groups of cells that only name nodes for supports, links, loads or boundaries: they need no property.
   void forget_groups_of_nodes() {
     const auto forget = [&](const std::string& group) {
       if (!model_.properties.contains(group)) model_.mesh.regions.erase(group);
     };
     for (const auto& [name, link] : fe_.links) forget(link.nodes.value);
     for (const auto& [name, fixed] : fe_.fixed) forget(fixed.nodes.value);
-    for (const auto& group : loaded_) forget(group);
+    for (const auto& group : used_.loaded) forget(group);
+    for (const auto& group : used_.joined) forget(group.value);
+    if (given_.reduction)
+      for (const auto& place : given_.reduction->value.boundary) forget(place.value);
   }
 
   const std::string& name_;
   const d::Substructure& given_;
   const d::FiniteElements& fe_;
-  const std::vector<std::string>& loaded_;  ///< groups
+  const UsedGroups& used_;
   FiniteElementModel model_;
   std::vector<DeckNote> notes_;
+  std::vector<LoadCase> deck_cases_;
   std::vector<NamedNode> nodes_;
   std::vector<StrainGauge> gauges_;
   IssueList issues_;
@@ -419,9 +428,8 @@ private:
 
 }  // namespace
 
-NamedElements build_finite_elements(const std::string& name, const d::Substructure& given,
-                                    const std::vector<std::string>& load_groups) {
-  return Builder(name, given, load_groups).build();
+NamedElements build_finite_elements(const std::string& name, const d::Substructure& given, const UsedGroups& used) {
+  return Builder(name, given, used).build();
 }
 
 }  // namespace kalfem

@@ -12,6 +12,13 @@
 
 namespace kalfem {
 
+/// What other sections of the case name of the model.
+struct UsedGroups {
+  std::vector<std::string> loaded;  ///< groups of the mesh that loads act on
+  std::vector<Name> joined;         ///< groups whose nodes are joined to another substructure
+  bool deck_cases = false;          ///< the load cases of the deck are wanted
+};
+
 /// A finite-element model, the names of its nodes, its strain gauges, and notes on its deck.
 struct NamedElements {
   FiniteElementModel elements;
@@ -19,14 +26,15 @@ struct NamedElements {
   std::vector<StrainGauge> gauges;
   std::vector<DeckNote> notes;
   std::map<std::string, std::vector<Eigen::Index>> load_groups;  ///< cells of the groups that loads name
+  std::vector<LoadCase> deck_cases = {};                         ///< if they are wanted
 };
 
 /// Reads the mesh or deck of a case's substructure and gives it materials, properties, masses, springs, links and
 /// supports.
-/// `load_groups`: groups of the mesh that loads act on; their cells need no property.
-/// Throws InvalidInput with every name that does not exist, each with its place.
+/// The cells of used groups need no property. Throws InvalidInput with every name that does not exist, each with its
+/// place.
 NamedElements build_finite_elements(const std::string& name, const description::Substructure& given,
-                                    const std::vector<std::string>& load_groups);
+                                    const UsedGroups& used);
 
 /// Turns matrices of another code into a model without elements. Each node of that code becomes a node, at its
 /// coordinates or, if the case gives none, at the origin; NodalMatrices in SI join the nodes. Sets that name a degree

@@ -7,6 +7,7 @@
 #include "kalfem/model/linear_model.hpp"
 #include "kalfem/reduction/free_interface.hpp"
 #include "kalfem/study/finite_element_builder.hpp"
+#include "kalfem/study/node_groups.hpp"
 #include "kalfem/study/statics_plan.hpp"
 
 namespace kalfem {
@@ -15,10 +16,11 @@ namespace {
 using Eigen::Index;
 namespace d = description;
 
-/// Motions of a named node that the boundary must keep, for a place such as "p1" or "p1.rx".
+/// Motions that the boundary must keep, for a place such as "p1", "p1.rx" or a group of nodes.
 struct BoundaryPlace {
   Located<std::string> place;
   std::vector<NodalDof> dofs;
+  bool is_group = false;
 };
 
 std::vector<NodalDof> translations_of(Index node) { return {{node, 0}, {node, 1}, {node, 2}}; }
@@ -53,17 +55,41 @@ std::vector<BoundaryPlace> attached_boundary(const FiniteElementPart& part, cons
   return boundary;
 }
 
+/// All motions of the nodes of a group, those that the nodes do not have among them.
+BoundaryPlace group_boundary(const FiniteElementPart& part, const Name& group) {
+  BoundaryPlace boundary{group, {}, true};
+  for (const Index node : nodes_of_group(part, group.value))
+    for (int direction = 0; direction < 6; ++direction) boundary.dofs.push_back({node, direction});
+  return boundary;
+}
+
 std::vector<BoundaryPlace> given_boundary(const FiniteElementPart& part, const d::Reduction& given) {
-  std::vector<std::string> known;
-  for (const auto& node : part.nodes) known.push_back(node.name);
   std::vector<BoundaryPlace> boundary;
   IssueList issues;
   for (const auto& place : given.boundary) {
     boundary.push_back({place, dofs_of(part, place.value, false)});
+    if (boundary.back().dofs.empty()) boundary.back() = group_boundary(part, place);
     if (boundary.back().dofs.empty())
       issues.add(place.location,
-                 place.path + ": there is no node '" + place.value + "'" + did_you_mean(place.value, known),
-                 "the boundary must consist of named nodes", "name one of the `nodes`, or node.direction");
+                 place.path + ": there is no node or group '" + place.value + "'" +
+                     did_you_mean(place.value, groups_of_nodes(part)),
+                 "the boundary must consist of named nodes", "name one of the `nodes`, node.direction, or a group");
+  }
+  issues.raise();
+  return boundary;
+}
+
+/// Boundary nodes at which the substructure is joined to others.
+std::vector<BoundaryPlace> joined_boundary(const FiniteElementPart& part, const std::vector<Name>& groups) {
+  std::vector<BoundaryPlace> boundary;
+  IssueList issues;
+  for (const auto& group : groups) {
+    boundary.push_back(group_boundary(part, group));
+    if (boundary.back().dofs.empty())
+      issues.add(group.location,
+                 group.path + ": substructure '" + part.name + "' has no group of nodes '" + group.value + "'" +
+                     did_you_mean(group.value, groups_of_nodes(part)),
+                 "a joint needs nodes", "name a group of its mesh, a node set of its deck, or one of its `nodes`");
   }
   issues.raise();
   return boundary;
@@ -73,13 +99,6 @@ std::vector<NodalDof> all_dofs(const std::vector<BoundaryPlace>& boundary) {
   std::vector<NodalDof> dofs;
   for (const auto& each : boundary) dofs.insert(dofs.end(), each.dofs.begin(), each.dofs.end());
   return dofs;
-}
-
-bool is_held(const FiniteElementModel& model, const NodalDof& dof) {
-  return std::ranges::any_of(model.fixed, [&](const FixedNodes& support) {
-    return support.directions[static_cast<std::size_t>(dof.direction)] &&
-           std::ranges::find(support.nodes, dof.node) != support.nodes.end();
-  });
 }
 
 /// Sorts the motions that the boundary must keep. An independent degree of freedom becomes a coordinate of the
@@ -103,6 +122,7 @@ public:
       }
     }
     if (is_given && still.size() == place.dofs.size()) refuse(place, issues);
+    if (place.is_group) return;  // what their nodes cannot do is no surprise
     if (is_given && !following.empty())
       warnings_.push_back("the boundary has no independent coordinate for " + place.place.value + " along " +
                           listed(following) + ": links express it exactly by the other boundary nodes");
@@ -175,7 +195,8 @@ void check_thickness_at_gauges(const FiniteElementPart& part, const std::vector<
     for (const auto& [region, cells] : part.elements.mesh.regions)
       if (std::ranges::find(cells, gauge.cell) != cells.end() &&
           std::ranges::find(parameters, region + ".thickness") != parameters.end())
-        issues.add({}, "strain gauge '" + gauge.name + "' stands on a side of '" + region + "', whose thickness is unknown",
+        issues.add({},
+                   "strain gauge '" + gauge.name + "' stands on a side of '" + region + "', whose thickness is unknown",
                    "its strain by bending is taken at the stated thickness",
                    "hold the thickness fixed, or write surface: middle");
   }
@@ -192,29 +213,35 @@ void add_grounds(const d::Substructure& given, LinearModel& model) {
       model.grounds.push_back({name, none, none});
 }
 
+UsedGroups used_groups(const PartUses& uses) {
+  return {load_groups_of(uses.statics), uses.joined, uses.statics && uses.statics->deck_cases.value};
+}
+
 }  // namespace
 
-DescribedPart make_finite_element_part(const std::string& name, const d::Substructure& given,
-                                       const std::vector<std::string>& attached,
-                                       const std::vector<std::string>& parameters, const d::Statics* statics) {
+DescribedPart make_finite_element_part(const std::string& name, const d::Substructure& given, const PartUses& uses) {
   DescribedPart described;
   FiniteElementPart& part = described.part;
   part.name = name;
   part.damping = {{given.damping.mass_factor, given.damping.stiffness_factor},
                   {given.damping.modal, given.damping.modal_up_to}};
-  auto [elements, nodes, gauges, notes, groups] = build_finite_elements(name, given, load_groups_of(statics));
+  auto [elements, nodes, gauges, notes, groups, deck_cases] = build_finite_elements(name, given, used_groups(uses));
   part.elements = std::move(elements);
   part.nodes = std::move(nodes);
   part.gauges = std::move(gauges);
   part.load_groups = std::move(groups);
+  part.deck_cases = std::move(deck_cases);
   described.notes = std::move(notes);
   const bool is_given = given.reduction && !given.reduction->value.boundary.empty();
   const auto boundary =
-      is_given ? given_boundary(part, given.reduction->value) : attached_boundary(part, given, attached);
-  if (given.preload) part.preload_stiffness = preload_stiffness(part, *given.preload, statics);
+      is_given ? given_boundary(part, given.reduction->value) : attached_boundary(part, given, uses.attached);
+  const auto joined = joined_boundary(part, uses.joined);
+  if (given.preload) part.preload_stiffness = preload_stiffness(part, *given.preload, uses.statics);
   try {
     check_thickness_at_gauges(part, parameters);
-    assemble_part(part, {.parameters = {parameters.begin(), parameters.end()}, .independent = all_dofs(boundary)});
+    auto kept = all_dofs(boundary);
+    std::ranges::move(all_dofs(joined), std::back_inserter(kept));
+    assemble_part(part, {.parameters = {uses.parameters.begin(), uses.parameters.end()}, .independent = kept});
     add_grounds(given, part.full);
     add_weighted_points(given, part.full);
     if (!given.damping.modal.empty())
@@ -229,8 +256,9 @@ DescribedPart make_finite_element_part(const std::string& name, const d::Substru
   IssueList issues;
   BoundaryMaker maker(described);
   for (const auto& place : boundary) maker.add(place, is_given, issues);
+  for (const auto& place : joined) maker.add(place, true, issues);
   issues.raise();
-  if (given.reduction && !touches_nodes(given, attached)) require_boundary(part, *given.reduction);
+  if (given.reduction && !touches_nodes(given, uses.attached)) require_boundary(part, *given.reduction);
   return described;
 }
 

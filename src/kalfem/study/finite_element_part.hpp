@@ -17,14 +17,17 @@ struct DescribedPart {
   std::vector<std::string> warnings;  ///< one sentence each, about the boundary
 };
 
-/// Reads the mesh, deck or matrices, assembles and damps them. `attached`: the points of it that connectors and forces
-/// touch ("p1.z"). Throws InvalidInput with every problem and its place.
-/// `parameters`: names of the parameters that will change, without the name of the substructure. Section parameters of
-/// beams stay separate only if they are named here.
-/// `statics`: the static load cases of this substructure, if it has some.
+/// What other sections of the case name of a substructure, without its name.
+struct PartUses {
+  std::vector<std::string> attached;              ///< points that connectors and forces touch: "p1.z"
+  std::vector<Name> joined;                       ///< groups of nodes at which it is joined to another one
+  std::vector<std::string> parameters;            ///< that will change; only these sections of beams stay separate
+  const description::Statics* statics = nullptr;  ///< its static load cases, if it has some
+};
+
+/// Reads the mesh, deck or matrices, assembles and damps them. Throws InvalidInput with every problem and its place.
 DescribedPart make_finite_element_part(const std::string& name, const description::Substructure& given,
-                                       const std::vector<std::string>& attached,
-                                       const std::vector<std::string>& parameters, const description::Statics* statics);
+                                       const PartUses& uses);
 
 /// The reduction that the case asks for; ReductionRequest states the defaults.
 ReductionRequest reduction_request(const std::optional<Located<description::Reduction>>& given);

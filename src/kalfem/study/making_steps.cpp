@@ -11,11 +11,12 @@ namespace kalfem {
 
 StudyItem section_with_key(const std::string& key) {
   using enum StudyItem;
-  static constexpr std::array<std::pair<std::string_view, StudyItem>, 20> sections{
+  static constexpr std::array<std::pair<std::string_view, StudyItem>, 21> sections{
       {{"kalfem", version},
        {"title", title},
        {"substructures", substructures},
        {"connectors", connectors},
+       {"joints", joints},
        {"component", component},
        {"damping", damping},
        {"excitation", excitation},

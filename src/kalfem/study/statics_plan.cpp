@@ -110,6 +110,26 @@ LoadCase load_case_of(const std::string& name, const d::StaticCase& given, const
   return load_case;
 }
 
+/// The load cases of the case file, then those of the deck, which must have names of their own.
+std::vector<LoadCase> load_cases_of(const d::Statics& given, const FiniteElementPart& part, const LoadPlaces& places,
+                                    IssueList& issues) {
+  std::vector<LoadCase> cases;
+  for (const auto& [name, each] : given.cases) cases.push_back(load_case_of(name, each.value, places));
+  if (!given.deck_cases.value) return cases;
+  if (part.deck_cases.empty())
+    issues.add(given.deck_cases.location, given.deck_cases.path + ": '" + part.name + "' has no load cases of a deck",
+               "read are static steps of Abaqus and CalculiX, and the loads that subcases of Nastran choose",
+               "describe the loads under `cases`");
+  for (const auto& load_case : part.deck_cases) {
+    if (std::ranges::find(cases, load_case.name, &LoadCase::name) != cases.end())
+      issues.add(given.deck_cases.location,
+                 given.deck_cases.path + ": the deck too has a load case '" + load_case.name + "'",
+                 "names must be unique", "rename the one under `cases`");
+    cases.push_back(load_case);
+  }
+  return cases;
+}
+
 std::vector<NamedNode> reported_points(const d::Statics& given, const FiniteElementPart& part, const LoadPlaces& places,
                                        IssueList& issues) {
   if (given.points.empty()) return part.nodes;
@@ -153,28 +173,24 @@ std::vector<std::string> load_groups_of(const d::Statics* statics) {
 }
 
 SparseMatrix preload_stiffness(const FiniteElementPart& part, const Name& load_case, const d::Statics* statics) {
-  const auto none = d::Statics{};
-  const auto& cases = (statics ? *statics : none).cases;
-  const auto found = std::ranges::find(cases, load_case.value, [](const auto& each) { return each.first; });
+  IssueList issues;
+  std::vector<LoadCase> cases;
+  if (statics) cases = load_cases_of(*statics, part, LoadPlaces(part, issues), issues);
+  issues.raise();
+  const auto found = std::ranges::find(cases, load_case.value, &LoadCase::name);
   if (found == cases.end())
     throw InvalidInput(
         Issue{load_case.location,
               load_case.path + ": `static` has no load case '" + load_case.value + "' of '" + part.name + "'",
               "a preload is the stress of a static load case", "describe it under static.cases"});
-  IssueList issues;
-  const LoadCase loads = load_case_of(found->first, found->second.value, LoadPlaces(part, issues));
-  issues.raise();
-  return preload_stiffness(part.elements, loads);
+  return preload_stiffness(part.elements, *found);
 }
 
 StaticsPlan make_statics_plan(const d::Case& given, const StructureModel& structure, IssueList& issues) {
-  const auto& [statics, location, path] = *given.statics;
-  if (statics.cases.empty())
-    issues.add(location, path + ".cases is empty", "nothing is loaded", "describe a load case");
+  const d::Statics& statics = given.statics->value;
   StaticsPlan plan{.part = loaded_part(statics, structure)};
   const LoadPlaces places(*plan.part, issues);
-  std::vector<LoadCase> cases;
-  for (const auto& [name, each] : statics.cases) cases.push_back(load_case_of(name, each.value, places));
+  auto cases = load_cases_of(statics, *plan.part, places, issues);
   plan.points = reported_points(statics, *plan.part, places, issues);
   if (issues.empty()) plan.analysis = std::make_shared<const StaticAnalysis>(plan.part->elements, std::move(cases));
   return plan;

@@ -13,6 +13,7 @@
 #include "kalfem/study/estimation_problem_of.hpp"
 #include "kalfem/study/filter_checks.hpp"
 #include "kalfem/study/inference_plan.hpp"
+#include "kalfem/study/joints.hpp"
 #include "kalfem/study/making_steps.hpp"
 #include "kalfem/study/placement_plan.hpp"
 #include "kalfem/study/record_source.hpp"
@@ -123,8 +124,11 @@ private:
          [&](IssueList& issues) { add_finite_elements(*structure_, study_, progress_, issues); });
     step(parts, {substructures, elements, component}, {"substructures"},
          [&](IssueList& issues) { structure_->parts = make_parts(study_.given, structure_->reduced_parts(), issues); });
+    step(joined_nodes, {elements, joints, parts}, {"joints"}, [&](IssueList& issues) {
+      structure_->parts.shared = make_joints(study_.given, *structure_, study_.warnings, issues);
+    });
     step(names, {substructures, elements}, {"substructures"}, [&](IssueList& issues) { check_names(issues); });
-    step(model, {substructures, elements, parts, connectors, component, excitation, damping}, {"damping"},
+    step(model, {substructures, elements, parts, joined_nodes, connectors, component, excitation, damping}, {"damping"},
          [&](IssueList&) {
            study_.model = std::make_shared<const CoupledModel>(couple(structure_->reference_parts()));
          });
@@ -234,7 +238,7 @@ private:
   /// Finite elements are assembled for the points and parameters that other sections name.
   [[nodiscard]] StudyItems needs_of_elements() const {
     if (!has_finite_elements(study_.given)) return {substructures};
-    return {substructures, connectors, excitation, sensors, simulate, estimate, update, modifications, statics};
+    return {substructures, connectors, joints, excitation, sensors, simulate, estimate, update, modifications, statics};
   }
 
   /// Other problems of the excitation do not matter to its signals.

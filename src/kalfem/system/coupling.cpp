@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 #include "kalfem/model/node_points.hpp"
@@ -12,20 +13,21 @@ namespace {
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
-void append_block(Triplets& triplets, const SparseMatrix& block, Eigen::Index offset) {
+using Places = std::vector<Eigen::Index>;
+
+void append_block(Triplets& triplets, const SparseMatrix& block, const Places& places) {
+  const auto place = [&](Eigen::Index dof) { return places[static_cast<std::size_t>(dof)]; };
   for (Eigen::Index column = 0; column < block.outerSize(); ++column)
     for (SparseMatrix::InnerIterator it(block, column); it; ++it)
-      triplets.emplace_back(offset + it.row(), offset + it.col(), it.value());
+      triplets.emplace_back(place(it.row()), place(it.col()), it.value());
 }
 
-SparseMatrix block_diagonal(const std::vector<Substructure>& parts, SparseMatrix LinearModel::*matrix) {
+/// sum_s L_s^T A_s L_s, L_s the selection of the degrees of freedom of substructure s.
+SparseMatrix assembled(const std::vector<Substructure>& parts, const std::vector<Places>& places, Eigen::Index dofs,
+                       SparseMatrix LinearModel::*matrix) {
   Triplets triplets;
-  Eigen::Index offset = 0;
-  for (const auto& part : parts) {
-    append_block(triplets, (*part.model).*matrix, offset);
-    offset += part.model->size();
-  }
-  SparseMatrix result(offset, offset);
+  for (std::size_t s = 0; s < parts.size(); ++s) append_block(triplets, (*parts[s].model).*matrix, places[s]);
+  SparseMatrix result(dofs, dofs);
   result.setFromTriplets(triplets.begin(), triplets.end());
   return result;
 }
@@ -40,19 +42,38 @@ void require_unique(const std::vector<Named>& items, const std::string& what, Is
                  "rename one of them");
 }
 
+/// Numbers 0 ... size - 1 in disjoint sets, each known by its first (smallest) member.
+class DisjointSets {
+public:
+  explicit DisjointSets(std::size_t size) : parents_(size) { std::iota(parents_.begin(), parents_.end(), 0); }
+
+  Eigen::Index first(Eigen::Index number) {
+    auto& parent = parents_[static_cast<std::size_t>(number)];
+    if (parent != number) parent = first(parent);
+    return parent;
+  }
+  void unite(Eigen::Index one, Eigen::Index other) {
+    const auto [smaller, larger] = std::minmax(first(one), first(other));
+    parents_[static_cast<std::size_t>(larger)] = smaller;
+  }
+
+private:
+  std::vector<Eigen::Index> parents_;
+};
+
 /// Damped modes of all substructures, each zero outside its own.
-ModalDamping joined_modal_damping(const std::vector<Substructure>& parts, Eigen::Index dofs) {
-  Eigen::Index modes = 0, row = 0, column = 0;
+ModalDamping joined_modal_damping(const std::vector<Substructure>& parts, const std::vector<Places>& places,
+                                  Eigen::Index dofs) {
+  Eigen::Index modes = 0, column = 0;
   for (const auto& part : parts) modes += part.model->modal_damping.rates.size();
   if (modes == 0) return {};
   ModalDamping joined{{Eigen::VectorXd(modes), Eigen::MatrixXd::Zero(dofs, modes)}, Eigen::VectorXd(modes)};
-  for (const auto& part : parts) {
-    const auto& own = part.model->modal_damping;
+  for (std::size_t s = 0; s < parts.size(); ++s) {
+    const auto& own = parts[s].model->modal_damping;
     const Eigen::Index count = own.rates.size();
     joined.modes.frequencies.segment(column, count) = own.modes.frequencies;
     joined.rates.segment(column, count) = own.rates;
-    if (count > 0) joined.modes.shapes.block(row, column, part.model->size(), count) = own.modes.shapes;
-    row += part.model->size();
+    if (count > 0) joined.modes.shapes(places[s], Eigen::seqN(column, count)) = own.modes.shapes;
     column += count;
   }
   return joined;
@@ -108,24 +129,26 @@ std::string unit_of(InputKind kind) {
 
 // How the coupled system is put together:
 //   1. M, C, K of the substructures stand block by block on the diagonal, their damped modes side by side. Their names
-//      become "substructure.dof".
+//      become "substructure.dof". Shared degrees of freedom are one coordinate, at which the blocks overlap and add up.
 //   2. An input adds a load. A force acts on a point's combination of degrees of freedom. A base displacement r acts
 //      through the springs and dashpots to the ground, k_g r + c_g r'. A base acceleration a makes the coordinates
 //      relative to the base, with the load -M d a and d the degrees of freedom that move with the base.
 //   3. A connector is a rank-one force: with b the difference of its ends, deformation d = b^T z - base^T r, load -b f.
-//      It couples substructures; the linear part stays block diagonal.
+//      It leaves the linear part as it is.
 //   4. Damping of the whole structure's modes comes last, because those modes include the connectors at rest.
 // Every input and connector is tried, so that the user sees all mistakes at once.
 CoupledModel::CoupledModel(std::vector<Substructure> substructures, const std::vector<ConnectorDescription>& connectors,
                            const std::vector<InputDescription>& inputs,
-                           const std::optional<GlobalModalDamping>& damping)
+                           const std::optional<GlobalModalDamping>& damping, const std::vector<SharedDof>& shared)
     : substructures_(std::move(substructures)), inputs_(inputs), global_modal_damping_(damping.has_value()) {
+  number_dofs(shared);
   assemble_linear_part();
   base_accelerations_ = Eigen::MatrixXd::Zero(system_.size(), static_cast<Eigen::Index>(inputs.size()));
   IssueList issues;
   require_unique(substructures_, "substructure", issues);
   require_unique(connectors, "connector", issues);
   require_unique(inputs, "input", issues);
+  require_own_modes(shared, issues);
   for (std::size_t i = 0; i < inputs.size(); ++i) try {
       add_input(inputs[i], i);
     } catch (const InvalidInput& error) {
@@ -137,22 +160,61 @@ CoupledModel::CoupledModel(std::vector<Substructure> substructures, const std::v
   if (damping) add_global_modal_damping(system_, *damping, moving_grounds(inputs));
 }
 
-void CoupledModel::assemble_linear_part() {
+/// Numbers the coordinates of the system: one for each degree of freedom, or one for all that are shared with it, which
+/// has the name of the first.
+void CoupledModel::number_dofs(const std::vector<SharedDof>& shared) {
+  std::vector<std::string> names;
   for (const auto& part : substructures_)
     for (const auto& dof : part.model->dofs) {
-      dof_indices_.emplace(part.name + "." + dof, system_.size());
-      system_.dofs.push_back(part.name + "." + dof);
+      dof_indices_.emplace(part.name + "." + dof, std::ssize(names));
+      names.push_back(part.name + "." + dof);
     }
-  system_.mass = block_diagonal(substructures_, &LinearModel::mass);
-  system_.damping = block_diagonal(substructures_, &LinearModel::damping);
-  system_.stiffness = block_diagonal(substructures_, &LinearModel::stiffness);
-  coordinate_scale_ = Eigen::VectorXd::Ones(system_.size());
-  for (Eigen::Index offset = 0; const auto& part : substructures_) {
-    if (part.model->coordinate_scale.size() > 0)
-      coordinate_scale_.segment(offset, part.model->size()) = part.model->coordinate_scale;
-    offset += part.model->size();
+  DisjointSets sets(names.size());
+  for (const auto& [first, second] : shared) sets.unite(existing_dof(first), existing_dof(second));
+  std::vector<Eigen::Index> coordinates;
+  for (Eigen::Index i = 0; i < std::ssize(names); ++i) {
+    const auto first = static_cast<std::size_t>(sets.first(i));
+    coordinates.push_back(first < coordinates.size() ? coordinates[first] : system_.size());
+    if (coordinates.back() == system_.size()) system_.dofs.push_back(names[static_cast<std::size_t>(i)]);
   }
-  system_.modal_damping = joined_modal_damping(substructures_, system_.size());
+  for (auto& [name, index] : dof_indices_) index = coordinates[static_cast<std::size_t>(index)];
+  for (auto next = coordinates.begin(); const auto& part : substructures_) {
+    const auto end = next + part.model->size();
+    places_.emplace_back(next, end);
+    next = end;
+  }
+}
+
+Eigen::Index CoupledModel::existing_dof(const std::string& name) const {
+  if (const auto dof = dof_index(name); dof >= 0) return dof;
+  throw InvalidInput("there is no degree of freedom '" + name + "' to share", "",
+                     "keep it at the boundary of the substructure");
+}
+
+/// Modes that are damped in a substructure alone are none of the assembled structure where it shares coordinates.
+void CoupledModel::require_own_modes(const std::vector<SharedDof>& shared, IssueList& issues) const {
+  for (const auto& part : substructures_) {
+    const auto belongs = [&](const std::string& dof) { return dof.starts_with(part.name + "."); };
+    if (part.model->modal_damping.rates.size() > 0 &&
+        std::ranges::any_of(shared, [&](const auto& each) { return belongs(each.first) || belongs(each.second); }))
+      issues.add({},
+                 "substructure '" + part.name + "' has modal damping and shares degrees of freedom with another one",
+                 "its own modes are none of the whole structure", "damp the modes of the whole structure by `damping`");
+  }
+}
+
+void CoupledModel::assemble_linear_part() {
+  const auto add_up = [&](SparseMatrix LinearModel::*matrix) {
+    return assembled(substructures_, places_, system_.size(), matrix);
+  };
+  system_.mass = add_up(&LinearModel::mass);
+  system_.damping = add_up(&LinearModel::damping);
+  system_.stiffness = add_up(&LinearModel::stiffness);
+  coordinate_scale_ = Eigen::VectorXd::Ones(system_.size());
+  for (std::size_t s = 0; s < substructures_.size(); ++s)
+    if (const auto& scale = substructures_[s].model->coordinate_scale; scale.size() > 0)
+      coordinate_scale_(places_[s]) = scale;
+  system_.modal_damping = joined_modal_damping(substructures_, places_, system_.size());
 }
 
 void CoupledModel::add_input(const InputDescription& description, std::size_t index) {
@@ -180,17 +242,14 @@ void CoupledModel::add_input(const InputDescription& description, std::size_t in
 
 /// What a ground's motion does to the substructure that it holds.
 void CoupledModel::add_ground_load(const std::string& ground, double weight, Input& input) const {
-  Eigen::Index offset = 0;
   bool found = false;
-  for (const auto& part : substructures_) {
-    for (const auto& coupling : part.model->grounds)
-      if (part.name + "." + coupling.ground == ground) {
+  for (std::size_t s = 0; s < substructures_.size(); ++s)
+    for (const auto& coupling : substructures_[s].model->grounds)
+      if (substructures_[s].name + "." + coupling.ground == ground) {
         found = true;
-        input.value.segment(offset, part.model->size()) += weight * coupling.stiffness;
-        input.rate.segment(offset, part.model->size()) += weight * coupling.damping;
+        input.value(places_[s]) += weight * coupling.stiffness;
+        input.rate(places_[s]) += weight * coupling.damping;
       }
-    offset += part.model->size();
-  }
   if (!found)
     throw InvalidInput("base displacement '" + input.name + "' moves '" + ground + "', which is not a ground" +
                            did_you_mean(ground, point_names()),
@@ -318,10 +377,9 @@ std::vector<std::string> CoupledModel::gauges() const {
 
 CoupledModel::Placed CoupledModel::find_substructure(const std::string& name) const {
   std::vector<std::string> known;
-  for (Eigen::Index offset = 0; const auto& part : substructures_) {
-    if (part.name == name) return {part, offset};
-    offset += part.model->size();
-    known.push_back(part.name);
+  for (std::size_t s = 0; s < substructures_.size(); ++s) {
+    if (substructures_[s].name == name) return {substructures_[s], places_[s]};
+    known.push_back(substructures_[s].name);
   }
   throw InvalidInput("there is no substructure '" + name + "'" + did_you_mean(name, known), "", "name an existing one");
 }

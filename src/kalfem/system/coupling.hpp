@@ -76,6 +76,11 @@ struct InputDescription {
   SourceLocation location = {};   ///< where the user describes it, for messages
 };
 
+/// Two degrees of freedom of different substructures that move as one, by qualified names: "left.n4.x", "right.n9.x".
+struct SharedDof {
+  std::string first, second;
+};
+
 /// Displacement of a point, z_p = dofs^T z + base^T r.
 struct PointMotion {
   Eigen::VectorXd dofs;  ///< n
@@ -87,9 +92,12 @@ struct PointMotion {
 class CoupledModel {
 public:
   /// `damping`: of the whole structure's modes, where no substructure has modal damping of its own.
+  /// `shared`: degrees of freedom that become one coordinate (primal assembly). A substructure with a shared one must
+  /// not have modal damping of low rank: its own modes are none of the assembled structure.
   /// Throws InvalidInput with every unknown point, doubled name or unsuitable parameter found.
   CoupledModel(std::vector<Substructure> substructures, const std::vector<ConnectorDescription>& connectors,
-               const std::vector<InputDescription>& inputs, const std::optional<GlobalModalDamping>& damping = {});
+               const std::vector<InputDescription>& inputs, const std::optional<GlobalModalDamping>& damping = {},
+               const std::vector<SharedDof>& shared = {});
 
   [[nodiscard]] const LocallyNonlinearSystem& system() const { return system_; }
   [[nodiscard]] const std::vector<Substructure>& substructures() const { return substructures_; }
@@ -104,15 +112,15 @@ public:
   [[nodiscard]] Eigen::VectorXd strain(const std::string& gauge) const;
   /// All qualified strain gauges.
   [[nodiscard]] std::vector<std::string> gauges() const;
-  /// A substructure and where its degrees of freedom begin in the system; throws InvalidInput when there is none.
+  /// A substructure and the places of its degrees of freedom in the system; throws InvalidInput when there is none.
   struct Placed {
     const Substructure& part;
-    Eigen::Index offset;
+    const std::vector<Eigen::Index>& dofs;
   };
   [[nodiscard]] Placed find_substructure(const std::string& name) const;
   /// Whether damping is of the whole structure's modes.
   [[nodiscard]] bool global_modal_damping() const { return global_modal_damping_; }
-  /// Index of a degree of freedom, -1 when there is none.
+  /// Index of a degree of freedom, -1 when there is none. A shared one has several names.
   [[nodiscard]] Eigen::Index dof_index(const std::string& dof) const;
   /// Coordinate per displacement of a typical point, n (LinearModel::scale).
   [[nodiscard]] const Eigen::VectorXd& coordinate_scale() const { return coordinate_scale_; }
@@ -121,6 +129,9 @@ public:
   [[nodiscard]] const Eigen::MatrixXd& base_accelerations() const { return base_accelerations_; }
 
 private:
+  void number_dofs(const std::vector<SharedDof>& shared);
+  [[nodiscard]] Eigen::Index existing_dof(const std::string& name) const;
+  void require_own_modes(const std::vector<SharedDof>& shared, IssueList& issues) const;
   void assemble_linear_part();
   void add_input(const InputDescription& description, std::size_t index);
   void add_ground_load(const std::string& ground, double weight, Input& input) const;
@@ -137,6 +148,7 @@ private:
   LocallyNonlinearSystem system_;
   bool global_modal_damping_ = false;
   std::unordered_map<std::string, Eigen::Index> dof_indices_;
+  std::vector<std::vector<Eigen::Index>> places_;  ///< in the system, of each substructure's degrees of freedom
   Eigen::VectorXd coordinate_scale_;
   Eigen::MatrixXd base_accelerations_;
 };

@@ -6,6 +6,7 @@
 #include "kalfem/formats/abaqus/deck_reader.hpp"
 #include "kalfem/formats/abaqus/elements.hpp"
 #include "kalfem/formats/abaqus/kinematics.hpp"
+#include "kalfem/formats/abaqus/load_cases.hpp"
 #include "kalfem/formats/shell_surfaces.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
 #include "kalfem/model/mesh/split_quadratic_shells.hpp"
@@ -61,8 +62,8 @@ void release_held_rotations(PlacedDeck& deck, FiniteElementModel& model) {
 
 // Order: regions and point elements, then constraints and supports, which motions.store() reduces and stores together.
 // Steps that change cells follow, when no keyword refers to the elements any more.
-FiniteElementModel build_model(const RawDeck& raw, DeckNotes& notes, Problems& problems) {
-  FiniteElementModel model;
+void build_model(const RawDeck& raw, bool load_cases, DeckNotes& notes, Problems& problems, Deck& result) {
+  FiniteElementModel& model = result.model;
   PlacedDeck deck(raw, model.mesh, notes, problems);
   if (deck.mesh.node_count() == 0)
     problems.fail({0, 1}, "the deck has no nodes", "a model needs nodes and elements",
@@ -74,6 +75,9 @@ FiniteElementModel build_model(const RawDeck& raw, DeckNotes& notes, Problems& p
   add_nonstructural_masses(deck, model);
   add_matrices(raw, deck, model);
   for (auto& [name, material] : materials.used()) model.materials[name] = material;
+  if (raw.temperature && !materials.depend_on_temperature())
+    notes.add(problems.location({}), "a stated temperature", "no material of the deck depends on it",
+              DeckNoteKind::doubtful);
 
   const NodeAxes axes = read_transforms(deck);
   Kinematics motions(model, notes, problems);
@@ -82,10 +86,11 @@ FiniteElementModel build_model(const RawDeck& raw, DeckNotes& notes, Problems& p
   read_multi_point_constraints(deck, motions);
   read_ties(deck, model, motions);
   read_equations(deck, axes, motions);
-  read_boundaries(deck, axes, motions);
+  read_boundaries(deck, axes, load_cases, motions);
   problems.raise();
   motions.store();
   deck.store_node_sets();
+  if (load_cases) result.load_cases = read_load_cases(raw, deck, axes, model);
   problems.raise();
   replace_quadratic_cells(deck, model);
   release_held_rotations(deck, model);
@@ -98,32 +103,33 @@ FiniteElementModel build_model(const RawDeck& raw, DeckNotes& notes, Problems& p
   make_names_unique(model.links);
   make_names_unique(model.weighted_links);
   make_names_unique(model.constraints);
-  return model;
 }
 
-RawDeck read_raw(std::string content, const std::string& source, const DeckLoader& loader, DeckNotes& notes,
-                 Problems& problems) {
+RawDeck read_raw(std::string content, const std::string& source, const DeckLoader& loader, bool load_cases,
+                 DeckNotes& notes, Problems& problems) {
   DeckLines lines(std::move(content), source, loader, problems);
-  return read_deck(lines, notes, problems);
+  return read_deck(lines, load_cases, notes, problems);
 }
 
 }  // namespace
 
-Deck parse_abaqus(std::string content, const std::string& source, const DeckLoader& loader) {
+Deck parse_abaqus(std::string content, const std::string& source, const DeckLoader& loader,
+                  const DeckOptions& options) {
   DeckNotes notes;
   Problems problems;
-  const RawDeck raw = read_raw(std::move(content), source, loader, notes, problems);
+  RawDeck raw = read_raw(std::move(content), source, loader, options.load_cases, notes, problems);
+  raw.temperature = options.temperature;
   Deck deck;
-  deck.model = build_model(raw, notes, problems);
+  build_model(raw, options.load_cases, notes, problems, deck);
   deck.model.mesh.source = source;
   deck.model.name = std::filesystem::path(source).stem().string();
   deck.notes = notes.take();
   return deck;
 }
 
-Deck read_abaqus(const std::filesystem::path& file) {
-  return parse_abaqus(read_text(file), file.string(),
-                      [](const std::filesystem::path& path) { return read_text(path); });
+Deck read_abaqus(const std::filesystem::path& file, const DeckOptions& options) {
+  return parse_abaqus(
+      read_text(file), file.string(), [](const std::filesystem::path& path) { return read_text(path); }, options);
 }
 
 }  // namespace kalfem

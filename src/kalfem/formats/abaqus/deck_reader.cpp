@@ -18,8 +18,12 @@ bool is_of_abaqus(const Keyword& keyword) {
 /// Follows the structure of a deck: parts, instances, materials and steps, and hands out the data.
 class DeckReader {
 public:
-  DeckReader(DeckLines& lines, DeckNotes& notes, Problems& problems)
-      : lines_(lines), notes_(notes), problems_(problems), mesh_(deck_, lines, notes, problems) {}
+  DeckReader(DeckLines& lines, bool load_cases, DeckNotes& notes, Problems& problems)
+      : lines_(lines),
+        load_cases_(load_cases),
+        notes_(notes),
+        problems_(problems),
+        mesh_(deck_, lines, notes, problems) {}
 
   RawDeck read() {
     Keyword keyword;
@@ -56,6 +60,7 @@ private:
   }
 
   DeckLines& lines_;
+  bool load_cases_;
   DeckNotes& notes_;
   Problems& problems_;
   RawDeck deck_;
@@ -166,6 +171,7 @@ void DeckReader::begin_material(const Keyword& keyword) {
 void DeckReader::begin_step(const Keyword& keyword) {
   ++steps_;
   step_open_ = true;
+  deck_.steps.push_back({.number = steps_, .is_perturbation = keyword.has("PERTURBATION")});
   scope_start_ = keyword.where;
   if (keyword.has("NLGEOM") && keyword.word("NLGEOM") != "NO")
     notes_.add(problems_.location(keyword.where), "*STEP, NLGEOM",
@@ -206,7 +212,8 @@ Block DeckReader::read_block(const Keyword& keyword) {
 // keyword ends the present material. Ignored keywords leave a note whose weight follows from their effect; keywords
 // without which the model would be wrong are problems.
 void DeckReader::read_other(const Keyword& keyword) {
-  const auto [use, consequence] = classify(keyword.name);
+  auto [use, consequence] = classify(keyword.name);
+  if (keyword.name == "INITIALCONDITIONS" && keyword.word("TYPE").starts_with("TEMP")) use = KeywordUse::stored;
   Scope& scope = in_instance_ ? deck_.instances.back().own : *scope_;
   if (keyword.name == "MATRIXASSEMBLE") return read_matrix(keyword);
   switch (use) {
@@ -271,9 +278,16 @@ void DeckReader::read_in_step(const Keyword& keyword) {
   } else if (keyword.name == "STEP") {
     problems_.add(keyword.where, "*STEP stands inside another step", "the previous one is not closed",
                   "end it by *END STEP");
+  } else if (keyword.name == "STATIC") {
+    deck_.steps.back().is_static = true;
+  } else if (load_cases_ && (keyword.name == "CLOAD" || keyword.name == "DLOAD" || keyword.name == "DSLOAD")) {
+    deck_.steps.back().blocks.push_back(read_block(keyword));
   } else if (keyword.name == "BOUNDARY") {
-    if (steps_ > 1) return note(keyword, "boundary conditions of the second and later steps are ignored");
+    if (steps_ > 1 && !load_cases_)
+      return note(keyword, "boundary conditions of the second and later steps are ignored");
     Block block = read_block(keyword);
+    deck_.steps.back().blocks.push_back(block);
+    if (steps_ > 1) return;
     block.keyword.parameters.emplace_back("INSTEP", "");
     deck_.root.blocks.push_back(std::move(block));
   } else if (keyword.name == "NSET" || keyword.name == "ELSET") {
@@ -313,8 +327,8 @@ void DeckReader::check_ends() {
 
 }  // namespace
 
-RawDeck read_deck(DeckLines& lines, DeckNotes& notes, Problems& problems) {
-  return DeckReader(lines, notes, problems).read();
+RawDeck read_deck(DeckLines& lines, bool load_cases, DeckNotes& notes, Problems& problems) {
+  return DeckReader(lines, load_cases, notes, problems).read();
 }
 
 }  // namespace kalfem::abaqus

@@ -11,7 +11,8 @@ namespace kalfem::abaqus {
 
 /// Reads the keywords of a deck in their order. Names are not looked up yet.
 /// Problems are noted; those that leave no sense in what follows throw.
-RawDeck read_deck(DeckLines& lines, DeckNotes& notes, Problems& problems);
+/// `load_cases`: keep the loads of steps too.
+RawDeck read_deck(DeckLines& lines, bool load_cases, DeckNotes& notes, Problems& problems);
 
 /// Adds the data of *NODE, *ELEMENT, *NSET and *ELSET to a scope.
 class MeshReader {

@@ -6,6 +6,7 @@
 
 #include "kalfem/formats/abaqus/kinematics.hpp"
 #include "kalfem/formats/abaqus/placed_deck.hpp"
+#include "kalfem/formats/abaqus/temperatures.hpp"
 #include "kalfem/model/mesh/laminate_theory.hpp"
 
 namespace kalfem::abaqus {
@@ -43,12 +44,14 @@ struct Elastic {
 /// The materials of a deck by name. Only those that are asked for are read.
 class Materials {
 public:
-  Materials(const RawDeck& raw, PlacedDeck& deck) : raw_(raw), deck_(deck) {}
+  Materials(const RawDeck& raw, PlacedDeck& deck) : raw_(raw), deck_(deck), temperature_(raw, deck) {}
 
   /// The material that a keyword at `where` names; nothing and a problem where it is missing or not elastic.
   const Elastic* find(const std::string& name, const Where& where);
   /// All that were found.
   [[nodiscard]] std::map<std::string, IsotropicMaterial> used() const;
+  /// Whether one of them depends on temperature.
+  [[nodiscard]] bool depend_on_temperature() const { return temperature_.is_used(); }
 
 private:
   void read(const RawDeck::Material& raw, Elastic& material);
@@ -56,6 +59,7 @@ private:
 
   const RawDeck& raw_;
   PlacedDeck& deck_;
+  MaterialTemperature temperature_;
   std::map<std::string, Elastic> known_;
   std::set<std::string> broken_;
 };

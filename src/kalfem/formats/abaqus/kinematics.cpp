@@ -137,7 +137,7 @@ void Kinematics::store() {
   for (const auto& equation : equations_) {
     DofSum terms;
     for (const auto& [dof, coefficient] : expanded(equation.terms))
-      if (!fixed_.contains(dof)) terms.emplace_back(dof, coefficient);
+      if (!stays_still(dof)) terms.emplace_back(dof, coefficient);
     if (!terms.empty()) rows.add(equation.name, terms, equation.dependent);
   }
   store_links();
@@ -182,7 +182,7 @@ void Kinematics::write_weighted_links(ReducedEquations& rows) {
       if (!weighted.link.tied[static_cast<std::size_t>(d)]) continue;
       DofSum terms;
       for (const auto& [dof, coefficient] : expanded(terms_of(weighted, d)))
-        if (!fixed_.contains(dof)) terms.emplace_back(dof, coefficient);
+        if (!stays_still(dof)) terms.emplace_back(dof, coefficient);
       if (!terms.empty()) rows.add(weighted.link.name, terms, NodalDof{weighted.link.follower, d});
     }
   }

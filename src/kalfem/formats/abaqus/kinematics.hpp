@@ -23,6 +23,8 @@ public:
   void add_link(const std::string& name, Index master, const std::vector<Index>& slaves, const Directions& tied);
   void add_weighted_link(WeightedLink link, const Where& where);
   void hold(const std::string& name, Index node, int direction);
+  /// A held motion that load cases move: what depends on it stays so.
+  void move(const NodalDof& dof) { moved_.insert(dof); }
   /// Holds directions of a node in axes of its own (columns).
   void hold(const std::string& name, Index node, const Eigen::Matrix3d& axes, const Directions& directions);
   /// sum coefficient z = 0, solved for `dependent` where that can be.
@@ -55,6 +57,7 @@ private:
   void write_weighted_links(ReducedEquations& rows);
   void store_links();
   void store_fixed();
+  [[nodiscard]] bool stays_still(const NodalDof& dof) const { return fixed_.contains(dof) && !moved_.contains(dof); }
   [[nodiscard]] bool is_slave(const NodalDof& dof) const { return leader_.contains(dof); }
 
   FiniteElementModel& model_;
@@ -67,13 +70,15 @@ private:
   std::vector<Equation> equations_;
   std::map<NodalDof, std::string> held_;
   std::set<NodalDof> fixed_;
+  std::set<NodalDof> moved_;  ///< those of them that load cases move
 };
 
 /// A side of an element: corners, then the nodes amid its sides; two corners of an edge.
 struct Face {
   std::vector<Index> nodes;
   std::size_t corners = 0;
-  Index element = 0;  ///< position in PlacedDeck::elements
+  Index element = 0;        ///< position in PlacedDeck::elements
+  bool from_below = false;  ///< the side of a shell against its normal
 };
 
 /// A surface of *SURFACE with the nodes on it.
@@ -85,12 +90,15 @@ struct Surface {
 
 /// The surface that a keyword at `where` names in a place; a problem where it is missing or of a kind that is not read.
 Surface find_surface(PlacedDeck& deck, const std::string& name, int place, const Where& where);
+/// The face of an element by its label in *SURFACE; nothing where it has none of this name.
+std::optional<Face> find_face(PlacedDeck& deck, Index element, const std::string& label);
 
 /// Axes of nodes that *TRANSFORM turns.
 using NodeAxes = std::unordered_map<Index, Eigen::Matrix3d>;
 NodeAxes read_transforms(PlacedDeck& deck);
 
-void read_boundaries(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions);
+/// Supports. With `move` those with a value are kept apart for load cases; otherwise a note tells that they hold.
+void read_boundaries(PlacedDeck& deck, const NodeAxes& axes, bool move, Kinematics& motions);
 void read_equations(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions);
 void read_multi_point_constraints(PlacedDeck& deck, Kinematics& motions);
 /// *RIGID BODY, *COUPLING, *KINEMATIC COUPLING, *DISTRIBUTING COUPLING.

@@ -82,32 +82,20 @@ const Elastic* Materials::find(const std::string& name, const Where& where) {
 void Materials::read(const RawDeck::Material& raw, Elastic& material) {
   for (const auto& block : raw.blocks) {
     if (block.keyword.name != "DENSITY") continue;
-    material.scalar.density = number_at(line_of(block, 0), 0, "density", deck_.problems).value_or(0.0);
-    if (block.lines.size() > 1)
-      deck_.notes.add(deck_.problems.location(block.keyword.where), "*DENSITY with several temperatures",
-                      "only the first line is used");
+    material.scalar.density = constants_at(temperature_, block, 1, 1, deck_).front();
   }
   for (const auto& block : raw.blocks)
     if (block.keyword.name == "ELASTIC") read_elastic(block, material);
 }
 
-// Types of *ELASTIC: ISOTROPIC (E, nu), LAMINA (E1 E2 nu12 G12 G13 G23), ENGINEERING CONSTANTS (9), ORTHOTROPIC (9
-// stiffnesses) and ANISOTROPIC (21). Solids take the 6 x 6 stiffness, shells a sheet in plane stress, whose constants
-// follow from the compliance. The scalar E and nu of such a material serve beams and trusses.
+// Values at the temperature of the model are interpolated, see constants_at(). Types of *ELASTIC: ISOTROPIC (E, nu),
+// LAMINA (E1 E2 nu12 G12 G13 G23), ENGINEERING CONSTANTS (9), ORTHOTROPIC (9 stiffnesses) and ANISOTROPIC (21). Solids
+// take the 6 x 6 stiffness, shells a sheet in plane stress, whose constants follow from the compliance. The scalar E
+// and nu of such a material serve beams and trusses.
 void Materials::read_elastic(const Block& block, Elastic& material) {
   const std::string type = block.keyword.word("TYPE");
-  const auto values_of = [&](std::size_t count) {
-    auto values = all_numbers(block, 0, "an elastic constant", deck_.problems);
-    if (values.size() < count)
-      deck_.problems.add(block.keyword.where, "*ELASTIC has " + std::to_string(values.size()) + " constants",
-                         "its type has " + std::to_string(count), "correct the data");
-    // Behind a full row stands the temperature, and further rows for others; 8 stand in a line.
-    const std::size_t lines = (count + 7) / 8;
-    if (block.lines.size() > lines)
-      deck_.notes.add(deck_.problems.location(block.keyword.where), "*ELASTIC with several temperatures",
-                      "only the first row is used");
-    values.resize(std::max(values.size(), count), 0.0);
-    return values;
+  const auto values_of = [&](std::size_t least, std::size_t count) {
+    return constants_at(temperature_, block, least, count, deck_);
   };
   if (block.keyword.has("MODULI") && block.keyword.word("MODULI") == "INSTANTANEOUS")
     deck_.notes.add(deck_.problems.location(block.keyword.where), "*ELASTIC, MODULI=INSTANTANEOUS",
@@ -115,22 +103,21 @@ void Materials::read_elastic(const Block& block, Elastic& material) {
   material.isotropic = false;
   if (type.empty() || type.starts_with("ISO")) {
     material.isotropic = true;
-    const auto values = values_of(1);
+    const auto values = values_of(1, 2);
     material.scalar.youngs_modulus = values[0];
-    material.scalar.poissons_ratio = values.size() > 1 ? values[1] : 0.0;
+    material.scalar.poissons_ratio = values[1];
     material.sheet = sheet_of(material.scalar);
     return;
   }
   if (type.starts_with("LAMINA")) {
-    const auto c = values_of(4);
-    const auto at = [&](std::size_t i) { return i < c.size() ? c[i] : 0.0; };
-    material.sheet = OrthotropicSheet{at(0), at(1), at(2), at(3), at(4), at(5), material.scalar.density};
+    const auto c = values_of(4, 6);
+    material.sheet = OrthotropicSheet{c[0], c[1], c[2], c[3], c[4], c[5], material.scalar.density};
   } else if (type.starts_with("ENG")) {
-    material.solid = from_engineering_constants(values_of(9));
+    material.solid = from_engineering_constants(values_of(9, 9));
   } else if (type.starts_with("ORTHO")) {
-    material.solid = from_stiffnesses(values_of(9), true);
+    material.solid = from_stiffnesses(values_of(9, 9), true);
   } else if (type.starts_with("ANISO")) {
-    material.solid = from_stiffnesses(values_of(21), false);
+    material.solid = from_stiffnesses(values_of(21, 21), false);
   } else {
     deck_.problems.add(block.keyword.where, "*ELASTIC has TYPE=" + to_string(type),
                        "supported: isotropic, engineering constants, lamina, orthotropic and anisotropic",

@@ -151,13 +151,21 @@ struct RawDeck {
     Where where;
     std::string stiffness, mass;  ///< texts of its files
   };
+  /// A step with its loads.
+  struct Step {
+    int number = 0;
+    bool is_static = false, is_perturbation = false;
+    std::vector<Block> blocks = {};  ///< CLOAD, DLOAD, DSLOAD, BOUNDARY
+  };
   Scope root;
+  std::vector<Step> steps;  ///< if load cases are read
   std::map<std::string, Scope> parts;
   std::vector<RawInstance> instances;
   std::map<std::string, Material> materials;
   std::vector<Matrix> matrices;
   std::vector<Type> types;
-  bool from_abaqus = false;  ///< it has keywords that CalculiX does not know
+  bool from_abaqus = false;                ///< it has keywords that CalculiX does not know
+  std::optional<double> temperature = {};  ///< at which materials are taken, if the user states one
 };
 
 /// The field as a number, `otherwise` where it is empty; what is neither is a problem that names `what`.

@@ -27,6 +27,7 @@ struct Support {
   std::string name;
   std::vector<Index> nodes;
   Directions directions{};
+  bool moves = false;
 };
 
 std::optional<Directions> read_directions(PlacedDeck& deck, const DataLine& line) {
@@ -83,7 +84,7 @@ NodeAxes read_transforms(PlacedDeck& deck) {
 
 // Supports are collected over all lines first, since OP=NEW in the step lifts those before it. A node with axes of
 // its own is then held in all its directions at once, so that its equations are formed together.
-void read_boundaries(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions) {
+void read_boundaries(PlacedDeck& deck, const NodeAxes& axes, bool move, Kinematics& motions) {
   std::vector<Support> supports;
   bool lifted = false;
   for (const auto& at : deck.blocks("BOUNDARY")) {
@@ -99,12 +100,14 @@ void read_boundaries(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions
                                   ? std::optional<Directions>(Directions{true, true, true, false, false, false})
                                   : read_directions(deck, line);
       if (!directions) continue;
-      if (const auto value = to_number(line.field(3)); value && *value != 0.0)
+      const auto value = to_number(line.field(3));
+      const bool has_value = value && *value != 0.0;
+      if (has_value && !move)
         deck.notes.add(deck.problems.location(line.where), "*BOUNDARY with a value",
-                       "a prescribed motion is read as fixed");
+                       "a prescribed motion is read as fixed; `static: {deck_cases: true}` imposes it");
       const bool by_name = deck.is_node_set(line.field(0), at.place);
       supports.push_back({by_name ? deck.spelled_set(line.field(0), at.place, true) : "boundary",
-                          deck.node_list({line.field(0), line.where}, at.place), *directions});
+                          deck.node_list({line.field(0), line.where}, at.place), *directions, has_value && move});
     }
   }
   std::unordered_map<Index, std::pair<std::string, Directions>> turned;  // held at once, in their own axes
@@ -117,7 +120,10 @@ void read_boundaries(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions
         continue;
       }
       for (int d = 0; d < 6; ++d)
-        if (support.directions[static_cast<std::size_t>(d)]) motions.hold(support.name, node, d);
+        if (support.directions[static_cast<std::size_t>(d)]) {
+          motions.hold(support.name, node, d);
+          if (support.moves) motions.move({node, d});
+        }
     }
   for (const auto& [node, held] : turned) motions.hold(held.first, node, axes.at(node), held.second);
 }

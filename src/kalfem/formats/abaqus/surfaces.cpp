@@ -45,13 +45,13 @@ public:
   explicit SurfaceBuilder(PlacedDeck& deck) : deck_(deck) {}
 
   void add(const PlacedBlock& at, int depth);
+  bool add_named_face(Index element, const std::vector<Index>& nodes, const std::string& label);
   Surface finish();
 
 private:
   void add_nodes(const PlacedBlock& at);
   void add_elements(const PlacedBlock& at);
   void add_face(Index element, const std::vector<Index>& nodes, CellShape shape, const Corners& corners);
-  bool add_named_face(Index element, const std::vector<Index>& nodes, const std::string& label);
   void add_free_faces(const std::vector<Index>& elements);
   void weigh(Index node, double weight);
 
@@ -167,6 +167,7 @@ bool SurfaceBuilder::add_named_face(Index element, const std::vector<Index>& nod
       Corners all(corners);
       for (std::size_t i = 0; i < corners; ++i) all[i] = i;
       add_face(element, nodes, type.shape, all);
+      surface_.faces.back().from_below = label == "SNEG" || label == "S1";
       return true;
     }
     if (*edge < 1 || *edge > static_cast<std::int64_t>(corners)) return false;
@@ -214,6 +215,16 @@ void SurfaceBuilder::add_free_faces(const std::vector<Index>& elements) {
 Surface SurfaceBuilder::finish() { return std::move(surface_); }
 
 }  // namespace
+
+std::optional<Face> find_face(PlacedDeck& deck, Index element, const std::string& label) {
+  std::vector<Index> nodes;
+  SurfaceBuilder builder(deck);
+  if (!deck.nodes_of(deck.elements[static_cast<std::size_t>(element)], nodes) ||
+      !builder.add_named_face(element, nodes, label))
+    return {};
+  const auto surface = builder.finish();
+  return surface.faces.empty() ? std::nullopt : std::optional(surface.faces.front());
+}
 
 Surface find_surface(PlacedDeck& deck, const std::string& name, int place, const Where& where) {
   const auto at = deck.find_block("SURFACE", name, place);

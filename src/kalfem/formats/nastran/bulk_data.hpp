@@ -67,6 +67,13 @@ struct CornerThickness {
   bool relative = false;           ///< shares of the property's thickness
 };
 
+/// CSHEAR.
+struct ShearCard {
+  Id id = 0, property = 0;
+  std::array<Id, 4> nodes{};
+  Place where;
+};
+
 struct SolidCard {
   Id id = 0, property = 0;
   CellShape shape = CellShape::hexahedron8;  ///< of the corners alone
@@ -165,6 +172,28 @@ struct MaterialCard {
   Place where;
 };
 
+/// TABLEM1 .. TABLEM4, see apply_temperature().
+struct MaterialTable {
+  enum class Form { value, factor, polynomial } form = Form::factor;
+  std::vector<std::pair<double, double>> points = {};  ///< by ascending x
+  std::vector<double> coefficients = {};               ///< of a polynomial: A0, A1, ...
+  double shift = 0.0, scale = 1.0;                     ///< X1, X2
+  std::array<double, 2> range = {};                    ///< X3, X4 of a polynomial
+  Place where = {};
+};
+/// MATTi: tables by the field that their values have on the MATi card.
+struct MaterialTemperatureCard {
+  std::string kind;  ///< "MAT1"
+  std::vector<std::pair<std::size_t, Id>> tables;
+  Place where;
+};
+/// An entry of TEMP or TEMPD.
+struct TemperatureCard {
+  Id set = 0, node = 0;  ///< node 0: all that have none of their own
+  double value = 0.0;
+  Place where = {};
+};
+
 struct PshellCard {
   Id membrane = 0, bending = 0, shear = 0, coupling = 0;  ///< MID1 .. MID4
   double thickness = not_given, bending_ratio = 1.0, shear_ratio = 5.0 / 6.0, nonstructural_mass = 0.0;
@@ -172,6 +201,11 @@ struct PshellCard {
 struct PlyCard {
   Id material = 0;
   double thickness = 0.0, angle = 0.0;
+};
+struct PshearCard {
+  Id material = 0;
+  double thickness = 0.0, nonstructural_mass = 0.0;
+  std::array<double, 2> effectiveness{};  ///< F1 of the edges 1-2 and 3-4, F2 of 2-3 and 1-4
 };
 struct PcompCard {
   std::vector<PlyCard> plies;  ///< from the bottom up, the symmetric ones spelled out
@@ -196,7 +230,7 @@ struct RodSection {
   Id material = 0;
   double area = 0.0, torsion = 0.0, nonstructural_mass = 0.0;
 };
-using PropertyLaw = std::variant<PshellCard, PcompCard, PsolidCard, SectionCard, RodSection, BushProperty>;
+using PropertyLaw = std::variant<PshellCard, PshearCard, PcompCard, PsolidCard, SectionCard, RodSection, BushProperty>;
 struct PropertyCard {
   std::string kind;  ///< name of the card
   PropertyLaw law;
@@ -240,6 +274,36 @@ struct SpcCard {
   unsigned components = 0;
   std::vector<IdRange> nodes;
   Place where;
+  double value = 0.0;  ///< D, of a single node
+};
+
+/// FORCE, MOMENT.
+struct ForceCard {
+  Id set = 0, node = 0, system = 0;
+  Eigen::Vector3d vector = Eigen::Vector3d::Zero();  ///< in the axes of the system
+  bool is_moment = false;
+  Place where;
+};
+/// PLOAD2, PLOAD4.
+struct PressureCard {
+  Id set = 0;
+  std::vector<IdRange> elements;
+  double pressure = 0.0;
+  Id first_corner = 0, other_corner = 0;  ///< G1, G3 or G4 of a solid's face
+  Place where;
+};
+/// GRAV.
+struct GravityCard {
+  Id set = 0, system = 0;
+  Eigen::Vector3d vector = Eigen::Vector3d::Zero();
+  Place where;
+};
+/// SPCD.
+struct EnforcedCard {
+  Id set = 0, node = 0;
+  unsigned components = 0;
+  double value = 0.0;
+  Place where;
 };
 
 struct DmigEntry {
@@ -262,6 +326,7 @@ struct BulkData {
 
   std::vector<ShellCard> shells;
   std::vector<CornerThickness> corner_thickness;
+  std::vector<ShearCard> shear_panels;
   std::vector<SolidCard> solids;
   std::vector<BeamCard> beams;
   BeamDefaults bar_defaults, beam_defaults;
@@ -273,6 +338,9 @@ struct BulkData {
   std::vector<std::pair<Id, Place>> element_ids;  ///< of all elements
 
   std::map<Id, MaterialCard> materials;
+  std::map<Id, MaterialTable> material_tables;
+  std::map<Id, MaterialTemperatureCard> material_temperatures;
+  std::vector<TemperatureCard> temperatures;
   std::map<Id, PropertyCard> properties;
   std::map<Id, PropertyCard> conrods;                                   ///< sections of CONROD by its own number
   std::map<Id, double> spring_stiffness, dashpot_damping, scalar_mass;  ///< PELAS, PDAMP, PMASS
@@ -284,11 +352,19 @@ struct BulkData {
   std::vector<SpcCard> spcs;
   std::map<Id, std::vector<Id>> mpc_sums, spc_sums;  ///< MPCADD, SPCADD
 
+  bool with_loads = false;  ///< loads are wanted
+  std::vector<ForceCard> forces;
+  std::vector<PressureCard> pressures;
+  std::vector<GravityCard> gravities;
+  std::vector<EnforcedCard> imposed;
+  std::map<Id, std::vector<std::pair<Id, double>>> load_sums;  ///< LOAD: sets with their factors
+
   std::map<std::string, DmigMatrix> matrices;
-  double mass_factor = 1.0;   ///< PARAM WTMASS
-  bool coupled_mass = false;  ///< PARAM COUPMASS
-  double drilling = 100.0;    ///< PARAM K6ROT
-  bool autospc = true;        ///< PARAM AUTOSPC
+  double mass_factor = 1.0;                ///< PARAM WTMASS
+  bool coupled_mass = false;               ///< PARAM COUPMASS
+  double drilling = 100.0;                 ///< PARAM K6ROT
+  bool autospc = true;                     ///< PARAM AUTOSPC
+  std::optional<double> temperature = {};  ///< at which materials are taken, if the user states one
 };
 
 }  // namespace kalfem::nastran

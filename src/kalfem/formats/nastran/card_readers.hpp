@@ -34,9 +34,11 @@ std::span<const CardReader> shell_cards();   ///< shells and solids
 std::span<const CardReader> beam_cards();    ///< beams and rods
 std::span<const CardReader> scalar_cards();  ///< springs, dashpots, bushings, masses
 std::span<const CardReader> material_cards();
-std::span<const CardReader> property_cards();  ///< of shells, solids, rods, scalar elements
-std::span<const CardReader> section_cards();   ///< of beams
+std::span<const CardReader> temperature_cards();  ///< and tables of materials by temperature
+std::span<const CardReader> property_cards();     ///< of shells, solids, rods, scalar elements
+std::span<const CardReader> section_cards();      ///< of beams
 std::span<const CardReader> constraint_cards();
+std::span<const CardReader> load_cards();
 std::span<const CardReader> matrix_cards();  ///< DMIG, PARAM
 
 /// Reads a card of any kind. Cards that are not read become notes, with what that means, or are passed over where they

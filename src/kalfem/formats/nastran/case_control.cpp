@@ -34,6 +34,15 @@ std::optional<Id> set_number(const std::vector<std::string>& words) {
   return number && *number > 0 && *number <= 2'147'483'647 ? std::optional(static_cast<Id>(*number)) : std::nullopt;
 }
 
+/// TEMPERATURE, shortened to four letters or more, of materials.
+bool chooses_material_temperature(const std::string& command) {
+  const auto bracket = command.find('(');
+  const std::string name = command.substr(0, bracket),
+                    kind = bracket == std::string::npos ? "" : command.substr(bracket + 1);
+  const bool of_materials = kind.empty() || kind.starts_with("MATE") || kind.starts_with("BOTH");
+  return name.size() >= 4 && std::string_view("TEMPERATURE").starts_with(name) && of_materials;
+}
+
 }  // namespace
 
 void CaseControl::read(std::string_view line, const Place& place) {
@@ -42,7 +51,10 @@ void CaseControl::read(std::string_view line, const Place& place) {
   const std::string& command = words.front();
   if (command == "SUBCASE" || command == "SUBCOM") {
     if (++subcases_ == 2) more_subcases = true, second_subcase = place;
+    begin_subcase(words, place);
   }
+  if (command == "LOAD") present_subcase().load = set_number(words);
+  if (command == "SPC") present_subcase().spc = set_number(words);
   if (subcases_ > 1) return;
   const auto matrices = [&](auto& list) {
     list.clear();
@@ -52,6 +64,8 @@ void CaseControl::read(std::string_view line, const Place& place) {
     spc = set_number(words);
   else if (command == "MPC")
     mpc = set_number(words);
+  else if (chooses_material_temperature(command))
+    material_temperature = set_number(words);
   else if (command == "K2GG")
     matrices(stiffness);
   else if (command == "M2GG")
@@ -61,6 +75,21 @@ void CaseControl::read(std::string_view line, const Place& place) {
   else
     for (const char* known : {"K2PP", "M2PP", "B2PP", "K42GG", "TFL", "NSM"})
       if (command == known) unused.emplace_back(command, place);
+}
+
+// Commands above all subcases stand in one of their own, which the first SUBCASE takes over and each further one begins
+// with.
+void CaseControl::begin_subcase(const std::vector<std::string>& words, const Place& place) {
+  if (subcases_ == 1) above_ = subcases.empty() ? Subcase{} : subcases.front(), subcases.clear();
+  subcases.push_back(above_);
+  const auto number = words.size() > 1 ? parse_integer(words[1]) : std::nullopt;
+  subcases.back().number = number.value_or(subcases_);
+  subcases.back().where = place;
+}
+
+CaseControl::Subcase& CaseControl::present_subcase() {
+  if (subcases.empty()) subcases.emplace_back();
+  return subcases.back();
 }
 
 bool begins_bulk(std::string_view line) {

@@ -3,6 +3,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "kalfem/formats/deck.hpp"
@@ -109,6 +110,7 @@ private:
 };
 
 void build_shells(Building& building, Materials& materials);
+void build_shear_panels(Building& building, Materials& materials);
 void build_solids(Building& building, Materials& materials);
 void build_beams(Building& building, Materials& materials);
 void build_rods(Building& building, Materials& materials);
@@ -117,6 +119,10 @@ void build_bushes(Building& building);
 void build_masses(Building& building);
 void build_direct_matrices(Building& building);
 void build_constraints(Building& building);
+/// Sets of SPC that hold, see build_constraints(); what is wrong with their choice is noted there.
+std::set<Id> chosen_supports(Building& building);
+/// One load case for each subcase, "subcase1", ...; without case control for each set of loads, "load5".
+std::vector<LoadCase> build_load_cases(Building& building);
 /// PARAM AUTOSPC: holds the motions of nodes that nothing stiffens, see singular_motions.cpp.
 void apply_autospc(Building& building);
 /// PARAM K6ROT, see singular_motions.cpp.

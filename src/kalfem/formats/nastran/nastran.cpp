@@ -7,6 +7,7 @@
 #include "kalfem/formats/nastran/card_readers.hpp"
 #include "kalfem/formats/nastran/card_stream.hpp"
 #include "kalfem/formats/nastran/case_control.hpp"
+#include "kalfem/formats/nastran/material_temperatures.hpp"
 #include "kalfem/formats/nastran/model_building.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
 #include "kalfem/model/finite_element_model.hpp"
@@ -168,9 +169,10 @@ void check_extent(const FiniteElementModel& model, DeckFiles& files) {
 
 // Elements first, then masses on their nodes, then constraints. AUTOSPC and K6ROT need the whole model and come last;
 // quadratic shells are split between them.
-void build_model(Building& building) {
+void build_model(Building& building, std::vector<LoadCase>& load_cases) {
   Materials materials(building);
   build_shells(building, materials);
+  build_shear_panels(building, materials);
   build_solids(building, materials);
   build_beams(building, materials);
   build_rods(building, materials);
@@ -179,6 +181,7 @@ void build_model(Building& building) {
   build_masses(building);
   build_direct_matrices(building);
   build_constraints(building);
+  if (building.bulk.with_loads) load_cases = build_load_cases(building);
   building.files.raise();
   apply_autospc(building);
   replace_quadratic(building.model);
@@ -200,18 +203,22 @@ void note_case_control(const CaseControl& control, DeckNotes& notes, const DeckF
 
 // Steps: read all cards, since defaults and coordinate systems may stand behind the cards that need them; fill in
 // defaults; check numbers; resolve coordinate systems and with them the places; build the model.
-Deck parse_nastran(std::string content, const std::string& source, const NastranIncludes& includes) {
+Deck parse_nastran(std::string content, const std::string& source, const NastranIncludes& includes,
+                   const DeckOptions& options) {
   using namespace nastran;
   Deck deck;
   DeckNotes notes;
   DeckFiles files;
   BulkData bulk;
+  bulk.temperature = options.temperature;
+  bulk.with_loads = options.load_cases;
   CaseControl control;
   {
     DeckLines lines(std::move(content), source, includes, files);
     DeckReader(files, notes, bulk, control).read(lines);
   }
   note_case_control(control, notes, files);
+  apply_temperature(bulk, control, files, notes);
   fill_grid_defaults(bulk);
   drop_repeated_grids(bulk, files);
   check_element_ids(bulk, files);
@@ -230,14 +237,14 @@ Deck parse_nastran(std::string content, const std::string& source, const Nastran
     files.problem({}, "the deck has no grid points", "it contains no structure", "check that it is a bulk data deck");
   files.raise();
   Building building{bulk, control, nodes, frames, files, notes, deck.model};
-  build_model(building);
+  build_model(building, deck.load_cases);
   deck.notes = notes.take();
   return deck;
 }
 
-Deck read_nastran(const std::filesystem::path& file) {
-  return parse_nastran(read_text(file), file.string(),
-                       [](const std::filesystem::path& path) { return read_text(path); });
+Deck read_nastran(const std::filesystem::path& file, const DeckOptions& options) {
+  return parse_nastran(
+      read_text(file), file.string(), [](const std::filesystem::path& path) { return read_text(path); }, options);
 }
 
 }  // namespace kalfem

@@ -5,14 +5,17 @@
 namespace kalfem::nastran {
 namespace {
 
-// SPC holds two nodes on one card. Enforced displacements have no place in a linear model without loads.
+// SPC holds two nodes on one card. Enforced displacements act in load cases only.
 void read_spc(const Card& card, const Reading& in) {
   for (const std::size_t first : {2, 5}) {
     if (card.blank(first)) continue;
     const Id node = card.id(first, "G");
-    in.bulk.spcs.push_back({card.id(1, "SID"), card.components(first + 1, "C"), {{node, node, 1, true}}, card.place});
-    if (card.real_or(first + 2, 0.0, "D") != 0.0)
-      in.note(card, "enforced displacement (D of SPC)", "the node is fixed at zero");
+    const double value = card.real_or(first + 2, 0.0, "D");
+    in.bulk.spcs.push_back(
+        {card.id(1, "SID"), card.components(first + 1, "C"), {{node, node, 1, true}}, card.place, value});
+    if (value != 0.0 && !in.bulk.with_loads)
+      in.note(card, "enforced displacement (D of SPC)",
+              "the node is fixed at zero; `static: {deck_cases: true}` imposes it");
   }
 }
 

@@ -129,6 +129,16 @@ void read_quad8(const Card& card, const Reading& in) { read_shell(card, in, {fal
 void read_tria3(const Card& card, const Reading& in) { read_shell(card, in, {true, 3, 3, 3, 6, 7, 10, 11}); }
 void read_tria6(const Card& card, const Reading& in) { read_shell(card, in, {true, 3, 6, 3, 9, 10, 14, 11}); }
 
+void read_shear(const Card& card, const Reading& in) {
+  ShearCard panel;
+  panel.id = card.id(1, "EID");
+  panel.property = card.id_or(2, panel.id, "PID");
+  for (std::size_t i = 0; i < 4; ++i) panel.nodes[i] = card.id(3 + i, "a grid point");
+  panel.where = card.place;
+  in.bulk.element_ids.emplace_back(panel.id, card.place);
+  in.bulk.shear_panels.push_back(panel);
+}
+
 // CHEXA, CPENTA and CTETRA give linear and quadratic elements by one card: nodes behind the corners may be blank.
 void read_solid(const Card& card, const Reading& in, CellShape shape, std::size_t corners, std::size_t most,
                 bool pyramid = false) {
@@ -150,6 +160,7 @@ void read_tetra(const Card& card, const Reading& in) { read_solid(card, in, Cell
 void read_pyramid(const Card& card, const Reading& in) { read_solid(card, in, CellShape::tetrahedron4, 5, 13, true); }
 
 constexpr auto shell_readers = std::to_array<CardReader>({{"CQUAD4", read_quad4},
+                                                          {"CSHEAR", read_shear},
                                                           {"CQUADR", read_quad4},
                                                           {"CQUAD8", read_quad8},
                                                           {"CTRIA3", read_tria3},

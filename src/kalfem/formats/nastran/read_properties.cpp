@@ -99,6 +99,16 @@ void read_pshell(const Card& card, const Reading& in) {
   add_property(card, in, shell);
 }
 
+void read_pshear(const Card& card, const Reading& in) {
+  const PshearCard panel{.material = card.id(2, "MID"),
+                         .thickness = card.real(3, "T"),
+                         .nonstructural_mass = card.real_or(4, 0.0, "NSM"),
+                         .effectiveness = {card.real_or(5, 0.0, "F1"), card.real_or(6, 0.0, "F2")}};
+  if (!(panel.thickness > 0.0) || panel.effectiveness[0] < 0.0 || panel.effectiveness[1] < 0.0)
+    throw CardError(title(card) + ": T is not positive, or F1 or F2 is negative", "", "correct them");
+  add_property(card, in, panel);
+}
+
 /// The stack as it lies: a symmetric layout is given by its lower half.
 void finish_laminate(const Card& card, const Reading& in, PcompCard laminate) {
   if (laminate.plies.empty()) throw CardError(title(card) + " has no plies", "", "give material and thickness of each");
@@ -230,6 +240,7 @@ void read_pmass(const Card& card, const Reading& in) {
 }
 
 constexpr auto property_readers = std::to_array<CardReader>({{"PSHELL", read_pshell},
+                                                             {"PSHEAR", read_pshear},
                                                              {"PCOMP", read_pcomp},
                                                              {"PCOMPG", read_pcompg},
                                                              {"PSOLID", read_psolid},

@@ -35,6 +35,7 @@ struct SurfacePressure {
 struct ImposedMotion {
   NodalDof dof;
   double value = 0.0;
+  bool of_support = false;  ///< a support holds it there, and moves by this value
 };
 
 /// Loads that act together on a model, beside its supports.

@@ -3,7 +3,7 @@
 #include <set>
 
 #include "kalfem/model/elements/solid.hpp"
-#include "kalfem/model/statics/load_case.hpp"
+#include "kalfem/model/statics/loaded_faces.hpp"
 
 namespace kalfem {
 namespace {
@@ -46,6 +46,18 @@ LoadedFace solid_face(const Mesh& mesh, const Cell& cell, const CornerRing& ring
   return face;
 }
 
+}  // namespace
+
+std::vector<LoadedFace> faces_of_cell(const Mesh& mesh, const Cell& cell) {
+  if (dimension(cell.shape) == 2) return {shell_face(mesh, cell)};
+  std::vector<LoadedFace> faces;
+  if (dimension(cell.shape) == 3)
+    for (const auto& ring : corner_rings(cell.shape)) faces.push_back(solid_face(mesh, cell, ring));
+  return faces;
+}
+
+namespace {
+
 /// Shells and outer faces of solids of the regions that have a property, by their corners.
 std::map<Corners, LoadedFace> outer_faces(const FiniteElementModel& model) {
   std::map<Corners, LoadedFace> shells, faces;
@@ -53,15 +65,10 @@ std::map<Corners, LoadedFace> outer_faces(const FiniteElementModel& model) {
   for (const auto& [region, property] : model.properties)
     for (const auto index : model.mesh.regions.at(region)) {
       const auto& cell = model.mesh.cells[static_cast<std::size_t>(index)];
-      if (dimension(cell.shape) == 2) {
-        const auto face = shell_face(model.mesh, cell);
-        shells.insert({corners_of(face), face});
-      }
-      if (dimension(cell.shape) != 3) continue;
-      for (const auto& ring : corner_rings(cell.shape)) {
-        const auto face = solid_face(model.mesh, cell, ring);
-        if (!faces.insert({corners_of(face), face}).second) inner.insert(corners_of(face));
-      }
+      const bool is_shell = dimension(cell.shape) == 2;
+      for (const auto& face : faces_of_cell(model.mesh, cell))
+        if (!(is_shell ? shells : faces).insert({corners_of(face), face}).second && !is_shell)
+          inner.insert(corners_of(face));
     }
   for (const auto& corners : inner) faces.erase(corners);
   shells.insert(faces.begin(), faces.end());  // a skin on a solid stands for the solid's face

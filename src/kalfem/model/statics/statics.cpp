@@ -135,8 +135,12 @@ private:
     std::map<Index, Prescribed> all;
     for (const auto& [dof, support] : supported_)
       if (const Index place = assembled_.find(dof); place >= 0) all[place] = {place, support, 0.0};
-    for (const auto& [dof, value] : load_case.imposed) {
+    for (const auto& [dof, value, of_support] : load_case.imposed) {
       const Index place = assembled_.find(dof);
+      if (of_support && all.contains(place)) {
+        all.at(place).value = value;
+        continue;
+      }
       const std::string title = title_of(load_case) + " imposes a motion on " + dof_name(model_.mesh, dof);
       if (const auto support = supported_.find(dof); support != supported_.end())
         issues.add({}, title + ", which the support '" + support->second + "' holds", "it cannot be at two places",

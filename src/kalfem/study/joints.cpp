@@ -1,0 +1,219 @@
+#include "kalfem/study/joints.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "kalfem/study/node_groups.hpp"
+
+namespace kalfem {
+namespace {
+
+using Eigen::Index;
+namespace d = description;
+
+/// "left" and "seam" of "left.seam".
+std::pair<std::string, std::string> split(const std::string& qualified) {
+  const auto dot = qualified.find('.');
+  if (dot == std::string::npos) return {qualified, ""};
+  return {qualified.substr(0, dot), qualified.substr(dot + 1)};
+}
+
+std::string metres(double length) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g m", length);
+  return text;
+}
+
+/// What a node can do in a direction.
+enum class Mobility { free, held, follows_others, absent };
+
+/// One side of a joint: nodes of a substructure.
+class Side {
+public:
+  Side(const FiniteElementPart& part_, const Name& name_)
+      : part(part_),
+        name(name_),
+        nodes(nodes_of_group(part_, split(name_.value).second)),
+        rows_(part_.assembled.expansion) {}
+
+  [[nodiscard]] auto place(Index node) const { return part.elements.mesh.nodes.col(node); }
+  [[nodiscard]] std::string title_of(Index node) const {
+    return "node " + std::to_string(part.elements.mesh.node_ids[static_cast<std::size_t>(node)]);
+  }
+  [[nodiscard]] std::string qualified(const NodalDof& dof) const {
+    return part.name + "." + dof_name(part.elements.mesh, dof);
+  }
+  [[nodiscard]] Mobility mobility(const NodalDof& dof) const {
+    if (part.assembled.find(dof) >= 0) return Mobility::free;
+    if (is_held(part.elements, dof)) return Mobility::held;
+    return rows_.innerVector(6 * dof.node + dof.direction).nonZeros() > 0 ? Mobility::follows_others : Mobility::absent;
+  }
+
+  const FiniteElementPart& part;
+  const Name& name;
+  std::vector<Index> nodes;
+
+private:
+  Eigen::SparseMatrix<double, Eigen::RowMajor> rows_;  ///< motion of each nodal degree of freedom by the free ones
+};
+
+/// Joins the nodes of two sides.
+class Joiner {
+public:
+  Joiner(const Side& first, const Side& second, std::optional<double> tolerance)
+      : first_(first), second_(second), tolerance_(tolerance.value_or(default_tolerance())) {}
+
+  /// Finds the partner of each node; false, with an issue, where one has none.
+  bool pair(IssueList& issues) {
+    const bool first_fits = find_partners(first_, second_, partners_, issues);
+    std::vector<Index> back;
+    return find_partners(second_, first_, back, issues) && first_fits;
+  }
+
+  std::vector<SharedDof> share(std::vector<std::string>& warnings, IssueList& issues) {
+    std::vector<SharedDof> shared;
+    for (std::size_t i = 0; i < partners_.size(); ++i)
+      for (int direction = 0; direction < 6; ++direction) {
+        const NodalDof one{first_.nodes[i], direction}, other{partners_[i], direction};
+        const Mobility of_one = first_.mobility(one), of_other = second_.mobility(other);
+        if (of_one == Mobility::free && of_other == Mobility::free)
+          shared.push_back({first_.qualified(one), second_.qualified(other)});
+        else if (of_one != of_other)
+          note_difference(one, of_one, of_other, issues);
+      }
+    warn_of_rotations(warnings);
+    return shared;
+  }
+
+private:
+  [[nodiscard]] double default_tolerance() const {
+    const auto sizes = element_sizes(first_.part.elements.mesh, first_.nodes);
+    return 1e-3 * *std::ranges::min_element(sizes);
+  }
+
+  /// The nearest node of `other` to each node of `side`.
+  bool find_partners(const Side& side, const Side& other, std::vector<Index>& partners, IssueList& issues) const {
+    std::size_t unpaired = 0;
+    Index lonely = -1;
+    double gap = 0.0;
+    for (const Index node : side.nodes) {
+      const auto distance = [&](Index candidate) { return (other.place(candidate) - side.place(node)).norm(); };
+      const Index nearest = *std::ranges::min_element(other.nodes, {}, distance);
+      partners.push_back(nearest);
+      if (distance(nearest) <= tolerance_) continue;
+      if (unpaired++ == 0 || distance(nearest) < gap) {
+        lonely = node;
+        gap = distance(nearest);
+      }
+    }
+    if (unpaired > 0)
+      issues.add(side.name.location,
+                 side.name.path + ": " + std::to_string(unpaired) + " of the " + std::to_string(side.nodes.size()) +
+                     " nodes of '" + side.name.value + "' have no partner in '" + other.name.value +
+                     "'; the nearest to one is " + metres(gap) + " from " + side.title_of(lonely),
+                 "nodes are joined that lie within " + metres(tolerance_) + " of each other",
+                 "mesh both sides alike, correct the units, or state a larger `tolerance`");
+    else if (auto found = partners; std::ranges::sort(found), std::ranges::adjacent_find(found) != found.end())
+      issues.add(side.name.location,
+                 side.name.path + ": two nodes of '" + side.name.value + "' lie within " + metres(tolerance_) + " of " +
+                     other.title_of(*std::ranges::adjacent_find(found)) + " of '" + other.name.value + "'",
+                 "each node has one partner", "merge nodes of the group, or state a smaller `tolerance`");
+    else
+      return true;
+    return false;
+  }
+
+  void note_difference(const NodalDof& one, Mobility of_one, Mobility of_other, IssueList& issues) {
+    const bool first_differs = of_one != Mobility::free;
+    const Mobility worse = first_differs ? of_one : of_other;
+    if (one.direction >= 3 && (of_one == Mobility::absent || of_other == Mobility::absent)) {
+      ++single_rotations_;
+      return;
+    }
+    if (refused_) return;  // one message tells of all nodes of the joint
+    refused_ = true;
+    const Side& side = first_differs ? first_ : second_;
+    const char* reason = worse == Mobility::held             ? "a support holds it there"
+                         : worse == Mobility::follows_others ? "a link or constraint lets it follow other nodes"
+                                                             : "no element, spring or mass touches it";
+    issues.add(first_.name.location,
+               first_.name.path + ": " + first_.title_of(one.node) + " of '" + first_.name.value +
+                   "' and its partner cannot move alike along " +
+                   direction_names[static_cast<std::size_t>(one.direction)],
+               "in '" + side.part.name + "' " + reason, "treat the node alike in both substructures");
+  }
+
+  void warn_of_rotations(std::vector<std::string>& warnings) const {
+    if (single_rotations_ > 0)
+      warnings.push_back("the joint of '" + first_.name.value + "' and '" + second_.name.value + "' leaves " +
+                         std::to_string(single_rotations_) +
+                         " rotations free that only one of two partners has: there it joins translations only");
+  }
+
+  const Side &first_, &second_;
+  double tolerance_;
+  std::vector<Index> partners_;  ///< of the first side's nodes
+  std::size_t single_rotations_ = 0;
+  bool refused_ = false;
+};
+
+const FiniteElementPart* find_part(const StructureModel& structure, const Name& name, IssueList& issues) {
+  const std::string substructure = split(name.value).first;
+  std::vector<std::string> known;
+  for (const auto& each : structure.finite_elements) {
+    known.push_back(each.part->name);
+    if (each.part->name == substructure) return each.part.get();
+  }
+  issues.add(name.location,
+             name.path + ": there is no finite-element substructure '" + substructure + "'" +
+                 did_you_mean(substructure, known),
+             "joints connect nodes of meshes", "write substructure.group");
+  return nullptr;
+}
+
+/// Own modes of a joined substructure are none of the whole structure.
+void refuse_modal_damping(const d::Case& given, const Name& name, IssueList& issues) {
+  const auto& part =
+      std::ranges::find(given.substructures, split(name.value).first, &std::pair<std::string, d::Substructure>::first)
+          ->second;
+  if (!part.damping.modal.empty())
+    issues.add(name.location,
+               name.path + ": the joined substructure '" + split(name.value).first + "' has modal damping",
+               "its modes by itself are none of the joined structure",
+               "give `damping: {modal: ...}` for the whole structure, or Rayleigh damping");
+}
+
+}  // namespace
+
+std::vector<Name> joined_groups(const d::Case& given, const std::string& substructure) {
+  std::vector<Name> groups;
+  for (const auto& [name, joint] : given.joints)
+    for (const auto& end : joint.between)
+      if (const auto [owner, group] = split(end.value); owner == substructure)
+        groups.push_back({group, end.location, end.path});
+  return groups;
+}
+
+std::vector<SharedDof> make_joints(const d::Case& given, const StructureModel& structure,
+                                   std::vector<std::string>& warnings, IssueList& issues) {
+  std::vector<SharedDof> all;
+  for (const auto& [name, joint] : given.joints) {
+    const auto& [one, other] = joint.between;
+    const auto *first = find_part(structure, one, issues), *second = find_part(structure, other, issues);
+    if (!first || !second) continue;
+    if (first == second) {
+      issues.add(other.location, other.path + ": both groups belong to substructure '" + first->name + "'",
+                 "a joint connects two substructures", "join nodes of one mesh by `links`");
+      continue;
+    }
+    for (const auto& end : joint.between) refuse_modal_damping(given, end, issues);
+    const Side from(*first, one), to(*second, other);
+    Joiner joiner(from, to, joint.tolerance);
+    if (!joiner.pair(issues)) continue;
+    const auto shared = joiner.share(warnings, issues);
+    all.insert(all.end(), shared.begin(), shared.end());
+  }
+  return all;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,210 @@
+#include <fstream>
+
+#include "base/figures.hpp"
+#include "base/scratch_folder.hpp"
+#include "casefile/case_run.hpp"
+#include "kalfem/system/linearised.hpp"
+
+// Two finite-element substructures whose meshes meet in coincident nodes, joined by naming the group of these nodes,
+// against one mesh of the whole.
+
+namespace kalfem::test {
+namespace {
+
+/// A stretch of a plate in the x-y plane, 0.5 m wide, of square cells; lines along both ends in x are groups.
+struct Stretch {
+  double from = 0.0, to = 0.0;        ///< along x [m]
+  std::string first_end, second_end;  ///< names of the groups
+  double shift = 0.0;                 ///< of all nodes along y [m]
+};
+
+constexpr int cells_across = 6;
+constexpr double width = 0.5, cell = width / cells_across;
+
+void write_plate(const std::filesystem::path& file, const Stretch& plate) {
+  const int along = static_cast<int>(std::lround((plate.to - plate.from) / cell));
+  const auto node = [](int i, int j) { return i * (cells_across + 1) + j + 1; };
+  std::ofstream out(file);
+  out.precision(17);
+  out << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n2 1 \"plate\"\n1 2 \"" << plate.first_end
+      << "\"\n1 3 \"" << plate.second_end << "\"\n$EndPhysicalNames\n$Nodes\n"
+      << (along + 1) * (cells_across + 1) << "\n";
+  for (int i = 0; i <= along; ++i)
+    for (int j = 0; j <= cells_across; ++j)
+      out << node(i, j) << " " << plate.from + i * cell << " " << j * cell + plate.shift << " 0\n";
+  out << "$EndNodes\n$Elements\n" << along * cells_across + 2 * cells_across << "\n";
+  int id = 0;
+  for (int i = 0; i < along; ++i)
+    for (int j = 0; j < cells_across; ++j)
+      out << ++id << " 3 2 1 1 " << node(i, j) << " " << node(i + 1, j) << " " << node(i + 1, j + 1) << " "
+          << node(i, j + 1) << "\n";
+  for (const auto& [group, i] : {std::pair{2, 0}, std::pair{3, along}})
+    for (int j = 0; j < cells_across; ++j)
+      out << ++id << " 1 2 " << group << " " << group << " " << node(i, j) << " " << node(i, j + 1) << "\n";
+  out << "$EndElements\n";
+}
+
+std::string elements(const std::filesystem::path& file, const std::string& more) {
+  return "finite_elements: {mesh: " + file.string() +
+         ", materials: {steel: {youngs_modulus: 210 GPa, density: 7850 kg/m^3}}, regions: {plate: {material: steel, "
+         "shell: {thickness: 4 mm}}}" +
+         more + "}";
+}
+
+constexpr double cutoff = 1000.0;  // Hz
+
+/// A cantilevered plate, 1.5 m long, of two parts that meet at 0.5 m.
+class JoinedPlate : public testing::Test {
+protected:
+  JoinedPlate() : folder_("joints") {
+    write_plate(folder_ / "whole.msh", {0.0, 1.5, "root", "tip"});
+    write_plate(folder_ / "left.msh", {0.0, 0.5, "root", "seam"});
+    write_plate(folder_ / "right.msh", {0.5, 1.5, "seam", "tip"});
+  }
+
+  [[nodiscard]] std::string whole() const {
+    return "kalfem: 1\nsubstructures:\n  plate:\n    " +
+           elements(folder_ / "whole.msh", ", fixed: {clamp: {nodes: root}}, nodes: {corner: [1.5, 0, 0]}") + "\n";
+  }
+
+  [[nodiscard]] std::string joined(const std::string& right = "right.msh") const {
+    const std::string reduction = "    reduction: {up_to: 1000 Hz}\n";
+    return "kalfem: 1\nsubstructures:\n  left:\n    " +
+           elements(folder_ / "left.msh", ", fixed: {clamp: {nodes: root}}") + "\n" + reduction + "  right:\n    " +
+           elements(folder_ / right, ", nodes: {corner: [1.5, 0, 0]}") + "\n" + reduction +
+           "joints:\n  seam: {between: [left.seam, right.seam]}\n";
+  }
+
+  ScratchFolder folder_;
+};
+
+Eigen::VectorXd frequencies_of(const StructureParts& parts, Eigen::Index count) {
+  return lowest_normal_modes(linearised_at_rest(couple(parts)), count).frequencies;
+}
+
+Eigen::VectorXd relative_error(const Eigen::VectorXd& found, const Eigen::VectorXd& expected) {
+  return (found - expected).cwiseQuotient(expected).cwiseAbs();
+}
+
+TEST_F(JoinedPlate, IsTheWholeAtFullOrder) {
+  const Study joint = study_of(joined()), reference = study_of(whole());
+  const Eigen::Index n = reference.model->system().size();
+  EXPECT_EQ(joint.model->system().size(), n);
+  EXPECT_LE(relative_error(frequencies_of(joint.structure->reference_parts(), 20),
+                           frequencies_of(reference.structure->reference_parts(), 20))
+                .maxCoeff(),
+            1e-8);
+}
+
+TEST_F(JoinedPlate, HasTheFrequenciesOfTheWholeWhenBothPartsAreReduced) {
+  const Study joint = study_of(joined()), reference = study_of(whole());
+  const auto& reduced = joint.structure->parts;
+  const auto size = [&](std::size_t i) { return reduced.finite_elements[i].model->size(); };
+  EXPECT_EQ(reduced.shared.size(), 6u * (cells_across + 1));
+  EXPECT_LT(size(0) + size(1), joint.model->system().size() / 2);
+  const Eigen::VectorXd expected = frequencies_of(reference.structure->reference_parts(), 60);
+  const Eigen::Index count = (expected.array() < 0.5 * cutoff).count();
+  ASSERT_GT(count, 20);
+  ASSERT_LT(count, expected.size());
+  const double worst = relative_error(frequencies_of(reduced, count), expected.head(count)).maxCoeff();
+  EXPECT_LE(worst, 1e-3);
+  expect_figure("joints.frequency_error", worst);
+}
+
+/// A force at the free corner, and what the corner does: the same with one mesh and with two.
+TEST_F(JoinedPlate, MovesAsTheWhole) {
+  const std::string driven =
+      "excitation:\n  push: {force: @.corner.z, sine: {amplitude: 10 N, frequency: 25 Hz}}\n"
+      "sensors:\n  a: {acceleration: @.corner.z, noise: 1 %}\n"
+      "damping: {modal: 1 %, up_to: 200 Hz}\n"
+      "simulate: {duration: 0.1 s, sample_rate: 500 Hz, substeps: 4}\n";
+  const auto one = results_of(whole() + changed(changed(driven, "@", "plate"), "@", "plate"), Step::simulate);
+  const auto two = results_of(joined() + changed(changed(driven, "@", "right"), "@", "right"), Step::simulate);
+  ASSERT_TRUE(one.complete() && two.complete()) << one.failure << two.failure;
+  EXPECT_LE(difference(simulated(two, "right.corner.z", ObservedQuantity::acceleration),
+                       simulated(one, "plate.corner.z", ObservedQuantity::acceleration)),
+            1e-6);
+}
+
+TEST_F(JoinedPlate, IsEstimatedFromARecord) {
+  const std::string case_text =
+      changed(joined(), "reduction: {up_to: 1000 Hz}", "reduction: {up_to: 100 Hz, truncation_vectors: false}");
+  const auto results = results_of(
+      changed(case_text, "reduction: {up_to: 1000 Hz}", "reduction: {up_to: 100 Hz, truncation_vectors: false}") +
+          "damping: {modal: 2 %, up_to: 200 Hz}\n"
+          "excitation: {push: {force: right.corner.z, random: {rms: 10 N, band: [1, 40 Hz], "
+          "seed: 3}}}\n"
+          "sensors:\n  a: {acceleration: right.corner.z, noise: 2 %}\n"
+          "simulate: {duration: 1 s, sample_rate: 400 Hz, tolerance: 1e-2}\n"
+          "estimate: {settle: 0.2 s, diagnose: false}\n",
+      Step::estimate);
+  ASSERT_TRUE(results.complete()) << results.failure;
+  const auto* corner = find_quantity(results.estimation->points, "right.corner.z", ObservedQuantity::displacement);
+  ASSERT_NE(corner, nullptr);
+  EXPECT_LE(difference(corner->mean.tail(300),
+                       simulated(results, "right.corner.z", ObservedQuantity::displacement).tail(300)),
+            0.05);
+}
+
+/// Two superelements of one file, whose nodes have the same numbers: the top of the first is the foot of the second.
+TEST(JoinedMatrices, KeepTheirOwnNumbers) {
+  const ScratchFolder folder("joined-matrices");
+  const std::string head = "%%MatrixMarket matrix coordinate real symmetric\n2 2 3\n";
+  std::ofstream(folder / "K.mtx") << head << "1 1 100\n2 1 -100\n2 2 100\n";
+  std::ofstream(folder / "M.mtx") << head << "1 1 3\n2 1 0\n2 2 1\n";
+  std::ofstream(folder / "rows.dof") << "11.3\n12.3\n";
+  const std::string part = "{finite_elements: {matrices: {files: [" + (folder / "K.mtx").string() + ", " +
+                           (folder / "M.mtx").string() + "], dofs: " + (folder / "rows.dof").string() +
+                           "}, nodes: {foot: 11, top: 12}}}\n";
+  const Study study = study_of("kalfem: 1\nsubstructures:\n  a: " + part + "  b: " + part +
+                               "joints: {weld: {between: [a.top, b.foot]}}\n");
+  const Eigen::Matrix3d mass{{3, 0, 0}, {0, 4, 0}, {0, 0, 1}},
+      stiffness{{100, -100, 0}, {-100, 200, -100}, {0, -100, 100}};
+  EXPECT_EQ(Eigen::MatrixXd(study.model->system().mass), mass);
+  EXPECT_EQ(Eigen::MatrixXd(study.model->system().stiffness), stiffness);
+}
+
+TEST_F(JoinedPlate, RefusesGroupsThatDoNotExist) {
+  const auto found = problems_of(changed(joined(), "right.seam]", "right.saem]"));
+  EXPECT_NE(found.find("has no group of nodes 'saem'; did you mean 'seam'"), std::string::npos) << found;
+  const auto part = problems_of(changed(joined(), "right.seam]", "rihgt.seam]"));
+  EXPECT_NE(part.find("no finite-element substructure 'rihgt'; did you mean 'right'"), std::string::npos) << part;
+  const auto same = problems_of(changed(joined(), "right.seam]", "left.root]"));
+  EXPECT_NE(same.find("both groups belong to substructure 'left'"), std::string::npos) << same;
+}
+
+TEST_F(JoinedPlate, RefusesNodesWithoutAPartner) {
+  write_plate(folder_ / "shifted.msh", {0.5, 1.5, "seam", "tip", 0.3 * cell});
+  const auto found = problems_of(joined("shifted.msh"));
+  EXPECT_NE(
+      found.find("7 of the 7 nodes of 'left.seam' have no partner in 'right.seam'; the nearest to one is 0.025 m"),
+      std::string::npos)
+      << found;
+  const auto partly = problems_of(changed(joined(), "left.seam", "left.plate"));
+  EXPECT_NE(partly.find("42 of the 49 nodes of 'left.plate' have no partner"), std::string::npos) << partly;
+  EXPECT_EQ(problems_of(changed(joined("shifted.msh"), "right.seam]", "right.seam], tolerance: 26 mm")), "");
+}
+
+TEST_F(JoinedPlate, RefusesASupportOnOneSideOnly) {
+  const auto found = problems_of(changed(joined(), "nodes: root", "nodes: seam"));
+  EXPECT_NE(found.find("'seam' cannot move"), std::string::npos) << found;
+}
+
+TEST_F(JoinedPlate, RefusesModalDampingOfAPart) {
+  const auto found = problems_of(changed(joined(), "reduction:", "damping: {modal: 1 %}\n    reduction:"));
+  EXPECT_NE(found.find("the joined substructure 'left' has modal damping"), std::string::npos) << found;
+}
+
+TEST_F(JoinedPlate, StaysWholeInALocalModel) {
+  const auto found =
+      problems_of(joined() +
+                  "excitation: {push: {force: right.corner.z, sine: {amplitude: 1 N, frequency: 9 Hz}}}\n"
+                  "sensors: {a: {acceleration: right.corner.z, noise: 2 %}}\n"
+                  "simulate: {duration: 1 s, sample_rate: 400 Hz}\n"
+                  "estimate: {local: {substructures: [right], interface: {right.corner.x: {force: {std: 1 "
+                  "N}}}}}\n");
+  EXPECT_NE(found.find("leads out of the local model"), std::string::npos) << found;
+}
+
+}  // namespace
+}  // namespace kalfem::test
