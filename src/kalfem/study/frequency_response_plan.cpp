@@ -46,6 +46,7 @@ void take_parts(const d::FrequencyResponses& given, const StructureModel& struct
   if (given.substructure) return;
   plan.parts.connectors = structure.parts.connectors;
   plan.parts.damping = structure.parts.damping;
+  plan.parts.shared = structure.parts.shared;
 }
 
 /// Looks up points and grounds of the parts; unknown ones become issues.
