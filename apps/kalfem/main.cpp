@@ -175,10 +175,12 @@ void add_verbs(CLI::App& app, Arguments& arguments) {
   add_run_verb(app, "infer", "what the data tell of the unknowns: posterior, evidence, which law", arguments);
   add_run_verb(app, "place", "where to put sensors", arguments);
   add_run_verb(app, "static", "displacements, reactions and stresses under static loads", arguments);
-  auto* sweep = app.add_subcommand("sweep", "run a case many times on all cores: combinations of values, seeds of noise");
+  auto* sweep =
+      app.add_subcommand("sweep", "run a case many times on all cores: combinations of values, seeds of noise");
   sweep->add_option("case", arguments.sweep.case_file, "case file (YAML)")->required();
-  sweep->add_option("--grid", arguments.sweep.grid,
-                    "KEY=VALUE,VALUE,...: a key with the values that it takes; several times: every combination")
+  sweep
+      ->add_option("--grid", arguments.sweep.grid,
+                   "KEY=VALUE,VALUE,...: a key with the values that it takes; several times: every combination")
       ->allow_extra_args(false);
   sweep->add_option("--seeds", arguments.sweep.seeds, "realisations of the noise of a simulated record, seeds 1 to N")
       ->check(CLI::Range(1, 1000000));

@@ -75,14 +75,14 @@ ExitCode sweep(const SweepArguments& arguments) {
   const auto finished = finished_runs(runs);
   write_file_atomically(folder / "sweep.csv", sweep_csv(sweep.plan(), finished));
   write_sweep_arrays(folder / "sweep.h5", sweep.plan(), finished);
-  for (const auto& table : sweep_tables(sweep.plan(), finished)) print_report(table.title + "\n" + to_text(table) + "\n");
+  for (const auto& table : sweep_tables(sweep.plan(), finished))
+    print_report(table.title + "\n" + to_text(table) + "\n");
   print("Results in {}: runs.jsonl, sweep.csv, sweep.h5\n", folder.string());
   std::string told;
   for (const auto& run : runs)
     if (!run.refused.empty() && run.refused != std::exchange(told, run.refused))
       print_error("run {}: {}\n", run.number + 1, run.refused);
-  const bool usable =
-      std::ranges::any_of(finished, [](const auto& run) { return run.found && run.found->usable; });
+  const bool usable = std::ranges::any_of(finished, [](const auto& run) { return run.found && run.found->usable; });
   return usable ? done : not_usable;
 }
 

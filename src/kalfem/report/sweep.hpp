@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "kalfem/base/progress.hpp"
-#include "kalfem/yaml/case_changes.hpp"
+#include "kalfem/study/study.hpp"
 
 namespace kalfem {
 
