@@ -174,7 +174,8 @@ void check_thickness_at_gauges(const FiniteElementPart& part, const std::vector<
     for (const auto& [region, cells] : part.elements.mesh.regions)
       if (std::ranges::find(cells, gauge.cell) != cells.end() &&
           std::ranges::find(parameters, region + ".thickness") != parameters.end())
-        issues.add({}, "strain gauge '" + gauge.name + "' stands on a side of '" + region + "', whose thickness is unknown",
+        issues.add({},
+                   "strain gauge '" + gauge.name + "' stands on a side of '" + region + "', whose thickness is unknown",
                    "its strain by bending is taken at the stated thickness",
                    "hold the thickness fixed, or write surface: middle");
   }
