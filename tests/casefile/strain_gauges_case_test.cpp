@@ -87,7 +87,7 @@ TEST_F(StrainGauges, AreEstimatedWithTheirBandAndPredicted) {
   EXPECT_EQ(predicted->deviation.size(), 0);
 }
 
-// Of the modes to 150 Hz the third one lies beyond what one fixed-interface mode can follow.
+// Strains converge more slowly than shapes: with modes to 236 Hz the one at 146 Hz has a MAC of 0.985 and half its strain.
 TEST_F(StrainGauges, AReductionThatMissesTheirStrainNamesThem) {
   const auto study = study_of(text());
   const auto& part = *study.structure->finite_elements[0].part;
@@ -95,7 +95,7 @@ TEST_F(StrainGauges, AReductionThatMissesTheirStrainNamesThem) {
     return craig_bampton(part.full, part.boundary, {.modes = {.count = modes}, .compare_up_to = 150.0})
         .error_indicators;
   };
-  const auto few = indicators(1), many = indicators(12);
+  const auto few = indicators(4), many = indicators(40);
   EXPECT_GT(few.gauges.at("g"), 0.02);
   EXPECT_LT(many.gauges.at("g"), 1e-3);
   const auto names_the_gauge = testing::Contains(HasSubstr("in the strain at gauge 'g'"));
