@@ -87,24 +87,25 @@ TEST_F(StrainGauges, AreEstimatedWithTheirBandAndPredicted) {
   EXPECT_EQ(predicted->deviation.size(), 0);
 }
 
+// Strains converge more slowly than shapes: with modes to 236 Hz the one at 146 Hz has a MAC of 0.985 and half its strain.
 TEST_F(StrainGauges, AReductionThatMissesTheirStrainNamesThem) {
-  const auto few = study_of(changed(text(), "modes: 4", "method: guyan"));
-  const auto many = study_of(changed(text(), "modes: 4", "modes: 12"));
-  const auto error = [](const Study& study) {
-    return study.structure->finite_elements[0].reduced->error_indicators.gauges.at("g");
+  const auto study = study_of(text());
+  const auto& part = *study.structure->finite_elements[0].part;
+  const auto indicators = [&](Eigen::Index modes) {
+    return craig_bampton(part.full, part.boundary, {.modes = {.count = modes}, .compare_up_to = 150.0})
+        .error_indicators;
   };
-  EXPECT_GT(error(few), 0.02);
-  EXPECT_LT(error(many), 1e-3);
-  const auto warnings = [](const Study& study) {
-    return reduction_warnings(study.structure->finite_elements[0].reduced->error_indicators, 30.0, 30.0);
-  };
-  EXPECT_THAT(warnings(few), testing::Contains(HasSubstr("in the strain at gauge 'g'")));
-  EXPECT_THAT(warnings(many), Not(testing::Contains(HasSubstr("gauge"))));
+  const auto few = indicators(4), many = indicators(40);
+  EXPECT_GT(few.gauges.at("g"), 0.02);
+  EXPECT_LT(many.gauges.at("g"), 1e-3);
+  const auto names_the_gauge = testing::Contains(HasSubstr("in the strain at gauge 'g'"));
+  EXPECT_THAT(reduction_warnings(few, 30.0, 1.0), names_the_gauge);
+  EXPECT_THAT(reduction_warnings(many, 30.0, 1.0), Not(names_the_gauge));
 }
 
 TEST_F(StrainGauges, OnAnElementThatDoesNotExistAreRefusedOnceWithTheirPlace) {
   const auto problems = problems_of(text("", "element: 99"));
-  EXPECT_THAT(problems, AllOf(HasSubstr("case.yaml:12: strain gauge 'g' stands on element 99"),
+  EXPECT_THAT(problems, AllOf(HasSubstr("case.yaml:10: strain gauge 'g' stands on element 99"),
                               HasSubstr("or give the place as at: [x, y, z]")));
   EXPECT_EQ(std::ranges::count(problems, '\n'), 0) << problems;
 }

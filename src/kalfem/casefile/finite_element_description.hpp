@@ -63,10 +63,10 @@ struct NodePlace {
   std::string group;
   std::array<double, 3> at{};  ///< used if there is no group [m]
 };
-/// A strain gauge, see GaugeDescription. One of `at` and `element`.
 struct GaugeElement {
   std::int64_t number = 0;
 };
+/// A strain gauge at a place or on an element, see GaugeDescription.
 struct Gauge {
   std::variant<Located<NodePlace>, GaugeElement> place;
   std::optional<std::array<double, 3>> direction;
