@@ -200,7 +200,7 @@ TEST(NastranLoads, PressIntoSolidsAndAlongNormalsOfShells) {
   expect_near(load("PLOAD4,1,1,3.,3.,3.,3.,6,3\n"), {-3, 0, 0});
   expect_near(load("PLOAD4,1,2,3.\n"), {0, 0, 3});
   expect_near(load("PLOAD2,1,3.,2\n"), {0, 0, 3});
-  const auto no_face = problem(nastran, nastran_bodies + "PLOAD4,1,1,3.,,,,1,8\n");
+  const auto no_face = problem(nastran, nastran_bodies + "PLOAD4,1,1,3.,,,,1,7\n");
   EXPECT_NE(no_face.find("acts on no face"), std::string::npos) << no_face;
   const auto traction = problem(nastran, nastran_bodies + "PLOAD4,1,1,3.,,,,1,3\n,,1.,0.,0.\n");
   EXPECT_NE(traction.find("traction"), std::string::npos) << traction;

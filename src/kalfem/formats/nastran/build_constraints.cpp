@@ -146,9 +146,13 @@ void ConstraintBuilder::hold_nodes() {
   for (std::size_t i = 0; i < building_.bulk.grids.size(); ++i)
     by_id_.emplace_back(building_.bulk.grids[i].id, static_cast<Eigen::Index>(i));
   std::ranges::sort(by_id_);
-  const auto sets = chosen_supports(building_);
+  std::set<Id> present;
+  for (const auto& card : building_.bulk.spcs) present.insert(card.set);
+  building_.supports =
+      chosen_sets(building_, "SPC", building_.control.spc, building_.control.is_present, present,
+                  building_.bulk.spc_sums, building_.bulk.spcs.empty() ? Place{} : building_.bulk.spcs.front().where);
   for (const auto& card : building_.bulk.spcs)
-    if (sets.contains(card.set)) hold_ranges(card);
+    if (building_.supports.contains(card.set)) hold_ranges(card);
   for (std::size_t i = 0; i < building_.bulk.grids.size(); ++i)
     if (const auto& grid = building_.bulk.grids[i]; grid.held != 0)
       hold("grid_ps", static_cast<Eigen::Index>(i), grid.held, grid.where);
@@ -330,13 +334,6 @@ void ConstraintBuilder::add_weighted() {
 }
 
 }  // namespace
-
-std::set<Id> chosen_supports(Building& building) {
-  std::set<Id> present;
-  for (const auto& card : building.bulk.spcs) present.insert(card.set);
-  return chosen_sets(building, "SPC", building.control.spc, building.control.is_present, present,
-                     building.bulk.spc_sums, building.bulk.spcs.empty() ? Place{} : building.bulk.spcs.front().where);
-}
 
 // Supports first, then what follows (rigid bodies, weighted means), then general equations. Equations are collected and
 // reduced together at the end, so that their order does not decide which can be solved.

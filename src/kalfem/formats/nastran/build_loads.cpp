@@ -22,8 +22,8 @@ public:
           if (support.directions[static_cast<std::size_t>(d)]) held_.insert({node, d});
   }
 
-  /// `load`: number of a LOAD card or of a set of loads. `supports`: sets of SPC whose enforced motions act too.
-  LoadCase build(const std::string& name, std::optional<Id> load, const std::set<Id>& supports) {
+  /// `load`: number of a LOAD card or of a set of loads. The enforced motions of supports act too.
+  LoadCase build(const std::string& name, std::optional<Id> load) {
     LoadCase result{.name = name};
     const LoadSets sets = load ? sets_of(*load) : LoadSets{};
     const auto factor_of = [&](Id set) {
@@ -38,7 +38,7 @@ public:
       if (const double factor = factor_of(card.set); factor != 0.0)
         result.gravity += factor * in_basic_axes(card.system, card.vector, Eigen::Vector3d::Zero(), card.where);
     for (const auto& card : bulk_.spcs)
-      if (supports.contains(card.set) && card.value != 0.0)
+      if (building_.supports.contains(card.set) && card.value != 0.0)
         impose(
             {.node = card.nodes.front().first, .components = card.components, .value = card.value, .where = card.where},
             1.0, result);
@@ -157,15 +157,14 @@ bool is_empty(const LoadCase& load_case) {
 std::vector<LoadCase> build_load_cases(Building& building) {
   LoadBuilder builder(building);
   std::vector<LoadCase> cases;
-  const auto supports = chosen_supports(building);
   for (const auto& subcase : building.control.subcases) {
     if (subcase.spc != building.control.spc)
       building.note(subcase.where, "SUBCASEs with different SPC", "the supports of the first one hold in all",
                     DeckNoteKind::doubtful);
-    cases.push_back(builder.build("subcase" + std::to_string(subcase.number), subcase.load, supports));
+    cases.push_back(builder.build("subcase" + std::to_string(subcase.number), subcase.load));
   }
   if (!building.control.is_present)
-    for (const Id set : builder.top_sets()) cases.push_back(builder.build("load" + std::to_string(set), set, supports));
+    for (const Id set : builder.top_sets()) cases.push_back(builder.build("load" + std::to_string(set), set));
   std::erase_if(cases, is_empty);
   return cases;
 }

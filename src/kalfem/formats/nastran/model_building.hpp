@@ -74,6 +74,7 @@ struct Building {
   DeckFiles& files;
   DeckNotes& notes;
   FiniteElementModel& model;
+  std::set<Id> supports = {};  ///< sets of SPC that hold, see build_constraints()
   MatrixGather matrices = {};  ///< of scalar masses, mass matrices and springs without a name of their own
 
   void note(const Place& place, const std::string& what, const std::string& consequence,
@@ -119,8 +120,6 @@ void build_bushes(Building& building);
 void build_masses(Building& building);
 void build_direct_matrices(Building& building);
 void build_constraints(Building& building);
-/// Sets of SPC that hold, see build_constraints(); what is wrong with their choice is noted there.
-std::set<Id> chosen_supports(Building& building);
 /// One load case for each subcase, "subcase1", ...; without case control for each set of loads, "load5".
 std::vector<LoadCase> build_load_cases(Building& building);
 /// PARAM AUTOSPC: holds the motions of nodes that nothing stiffens, see singular_motions.cpp.
