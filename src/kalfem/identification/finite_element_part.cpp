@@ -74,7 +74,7 @@ void add_preload(const SparseMatrix& preload, AssembledModel& assembled) {
 void require_stable(const FiniteElementPart& part) try {
   SparseFactor(evaluate(part.assembled.stiffness, part.assembled.parameters));
 } catch (const NotPositiveDefinite&) {
-  throw InvalidInput("the preload of '" + part.name + "' is beyond its buckling load",
+  throw InvalidInput("the preload of '" + part.name + "' is beyond its buckling load or critical speed",
                      "its stiffness under this load is not positive definite", "reduce the load or add supports");
 }
 
