@@ -415,6 +415,7 @@ static:
       pressures: [{on: plate, pressure: 1 kPa}]
       gravity: [0 m/s^2, 0 m/s^2, -9.81 m/s^2]
     lift: {displacements: {f.z: 1 mm}}
+    spin: {rotation: {axis: [0, 0, 1], about: [1 m, 0 m, 0 m], speed: 10 rad/s}}
   points: [f, m]
 frequency_response:
   frequencies: {from: 1 Hz, to: 50 Hz, lines: 5, spacing: linear}

@@ -62,10 +62,13 @@ TEST(Boundary, MayBeAReferenceOrAFollower) {
     ASSERT_EQ(outcome.code, 0) << outcome.errors;
     EXPECT_EQ(reduction_of(folder)["boundary"], 3) << link;
     const auto modes = reduction_of(folder)["modes"];
-    EXPECT_EQ(modes.size(), 10u) << link;  // up to half the highest that is kept
+    // Up to the highest fixed-interface mode: as many full ones at least, and at most three more for three held
+    // motions.
+    EXPECT_GE(modes.size(), 12u) << link;
+    EXPECT_LE(modes.size(), 15u) << link;
     // found 3e-7: what twelve modes and three modal truncation augmentation vectors leave of the tenth
-    for (const auto& mode : modes)
-      EXPECT_NEAR(mode["reduced_hz"].get<double>() / mode["full_hz"].get<double>(), 1.0, 1e-6) << link;
+    for (std::size_t i = 0; i < 10; ++i)
+      EXPECT_NEAR(modes[i]["reduced_hz"].get<double>() / modes[i]["full_hz"].get<double>(), 1.0, 1e-6) << link;
     const auto rows = read(folder / "out" / "plate_reduced.dof");
     EXPECT_TRUE(holds(rows, node)) << rows;
     std::filesystem::remove_all(folder / "out");

@@ -18,9 +18,9 @@ TEST(Vehicle, ShortenedRunReachesItsFigures) {
   const auto summary = read_summary(folder / "out");
   const auto& frame = summary["model"]["substructures"]["frame"];
   EXPECT_EQ(frame["dofs"], 45564);
-  for (const auto& mode : frame["reduction"]["modes"])  // up to half the cut-off
-    // found 1.5e-6
-    EXPECT_NEAR(mode["reduced_hz"].get<double>(), mode["full_hz"].get<double>(), 5e-6 * mode["full_hz"].get<double>());
+  for (const auto& mode : frame["reduction"]["modes"])
+    if (const double full = mode["full_hz"].get<double>(); full < 150.0)  // half the cut-off; found 1.5e-6
+      EXPECT_NEAR(mode["reduced_hz"].get<double>(), full, 5e-6 * full);
   for (const auto& [name, parameter] : summary["parameters"].items()) {
     // found .15 %
     EXPECT_LT(error_of(parameter), 0.005 * parameter["true"].get<double>()) << name;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "kalfem/model/assembly/assembly.hpp"
 #include "kalfem/model/elements/shell.hpp"
 #include "model/element_helpers.hpp"
 #include "shell_models.hpp"

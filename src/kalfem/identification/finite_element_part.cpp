@@ -56,17 +56,20 @@ ModeSelection modes_for(const ReductionRequest& request, double bandwidth) {
   return modes;
 }
 
+// Where the units are in doubt they are told first: constraints and springs in wrong units look like mechanisms.
 void require_no_mechanism(const FiniteElementModel& elements, const AssembledModel& assembled) {
   const auto free = find_mechanisms(elements, assembled);
   if (free.empty()) return;
-  if (const auto units = units_finding(elements))
-    throw InvalidInput("substructure '" + elements.name + "': " + units->what, units->why, units->fix);
   std::string names;
   for (std::size_t i = 0; i < std::min<std::size_t>(free.size(), 10); ++i) names += (i == 0 ? "" : ", ") + free[i];
+  if (free.size() > 10) names += " and " + std::to_string(free.size() - 10) + " more";
+  if (const auto units = units_finding(elements))
+    throw InvalidInput(
+        "substructure '" + elements.name + "': " + units->what, units->why,
+        units->fix + "; if the units are right, fix or connect " + names + ", which move without strain");
   const auto [why, fix] = mechanism_reason(elements);
-  throw InvalidInput("substructure '" + elements.name + "' is a mechanism: it moves without strain at " + names +
-                         (free.size() > 10 ? " and " + std::to_string(free.size() - 10) + " more" : ""),
-                     why, fix);
+  throw InvalidInput("substructure '" + elements.name + "' is a mechanism: it moves without strain at " + names, why,
+                     fix);
 }
 
 /// Adds T^T K_g T to the term that no parameter changes.
@@ -82,7 +85,7 @@ void add_preload(const SparseMatrix& preload, AssembledModel& assembled) {
 void require_stable(const FiniteElementPart& part) try {
   SparseFactor(evaluate(part.assembled.stiffness, part.assembled.parameters));
 } catch (const NotPositiveDefinite&) {
-  throw InvalidInput("the preload of '" + part.name + "' is beyond its buckling load",
+  throw InvalidInput("the preload of '" + part.name + "' is beyond its buckling load or critical speed",
                      "its stiffness under this load is not positive definite", "reduce the load or add supports");
 }
 
