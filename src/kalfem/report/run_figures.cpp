@@ -247,8 +247,8 @@ private:
 
   /// The same of full and reduced models.
   void add_computed_responses() {
-    const std::string group = "/frequency_response/";
-    const auto lines = series_values(series_.read(group + "frequency").value_or(VectorXd()));
+    const std::string group = "/frequency_response";
+    const auto lines = series_values(series_.read(group + "/frequency").value_or(VectorXd()));
     std::set<std::string> responses;
     for (const auto& path : series_.below(group))
       if (path.ends_with("/full") || path.ends_with("/reduced")) responses.insert(path.substr(0, path.rfind('/') + 1));
@@ -257,7 +257,7 @@ private:
       for (const auto& [name, role] : {std::pair{"full", Role::truth}, {"reduced", Role::estimate}})
         if (auto found = decibel_curve(name, own + name, role, chart.x.size()))
           chart.series.push_back(std::move(*found));
-      std::string name = own.substr(group.size(), own.size() - group.size() - 1);
+      std::string name = own.substr(group.size() + 1, own.size() - group.size() - 2);
       std::ranges::replace(name, '/', '-');
       if (!chart.series.empty()) add("frf-" + name, std::move(chart));
     }
