@@ -87,7 +87,8 @@ TEST_F(StrainGauges, AreEstimatedWithTheirBandAndPredicted) {
   EXPECT_EQ(predicted->deviation.size(), 0);
 }
 
-// Strains converge more slowly than shapes: with modes to 236 Hz the one at 146 Hz has a MAC of 0.985 and half its strain.
+// Strains converge more slowly than shapes: with modes to 236 Hz the one at 146 Hz has a MAC of 0.985 and half its
+// strain.
 TEST_F(StrainGauges, AReductionThatMissesTheirStrainNamesThem) {
   const auto study = study_of(text());
   const auto& part = *study.structure->finite_elements[0].part;
