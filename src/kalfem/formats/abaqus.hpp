@@ -20,8 +20,8 @@ using DeckLoader = std::function<std::string(const std::filesystem::path&)>;
 ///   its elements need several properties (kinds of solids, axes of a material), the first keeps the name and further
 ///   ones are "NAME.2", "NAME.3". A later section over the same elements replaces an earlier one.
 /// * Boundary conditions hold that stand outside of steps or in the first step (OP=NEW there lifts the earlier ones);
-///   a prescribed motion counts as held. Everything else in steps is passed over, but for the loads of static steps where
-///   load cases are asked for.
+///   a prescribed motion counts as held. Everything else in steps is passed over, but for the loads of static steps
+///   where load cases are asked for.
 /// * Materials that depend on temperature are taken at one, see DeckOptions.
 /// * 8-node and 6-node shells and 3-node beams become linear elements on the same nodes (replace_quadratic), trusses
 ///   springs along their axis with half their mass at each end.

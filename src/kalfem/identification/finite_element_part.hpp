@@ -23,7 +23,7 @@ struct FiniteElementPart {
   Eigen::Vector3d moving_mass = Eigen::Vector3d::Zero();  ///< that the free part moves along x, y, z [kg]
   std::vector<NamedNode> nodes;
   std::map<std::string, std::vector<Eigen::Index>> load_groups = {};  ///< cells of the groups that loads name
-  std::vector<LoadCase> deck_cases = {};  ///< static load cases of its deck
+  std::vector<LoadCase> deck_cases = {};                              ///< static load cases of its deck
   SparseMatrix preload_stiffness = {};  ///< of stresses that it carries, 6 to a node; empty: none
   LinearModel full;                     ///< with its damping
   FiniteElementDamping damping;         ///< included in `full`, with its dashpots

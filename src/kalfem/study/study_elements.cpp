@@ -103,12 +103,11 @@ void add_finite_elements(StructureModel& structure, CaseStudy& study, const Prog
                static_cast<double>(done) / static_cast<double>(all));
     ++done;
     try {
-      auto [part, notes, warnings] =
-          make_finite_element_part(name, given,
-                                   {.attached = attached_points(study.given, name),
-                                    .joined = joined_groups(study.given, name),
-                                    .parameters = changing_parameters(study.given, name),
-                                    .statics = statics_of(study.given, name)});
+      auto [part, notes, warnings] = make_finite_element_part(name, given,
+                                                              {.attached = attached_points(study.given, name),
+                                                               .joined = joined_groups(study.given, name),
+                                                               .parameters = changing_parameters(study.given, name),
+                                                               .statics = statics_of(study.given, name)});
       study.element_notes.push_back({name, std::move(notes)});
       warn_of_notes(study.element_notes.back(), study.warnings);
       for (const auto& warning : warnings) study.warnings.push_back("substructure '" + name + "': " + warning);
