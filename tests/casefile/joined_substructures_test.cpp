@@ -1,6 +1,5 @@
 #include <fstream>
 
-#include "base/figures.hpp"
 #include "base/scratch_folder.hpp"
 #include "casefile/case_run.hpp"
 #include "kalfem/system/linearised.hpp"
@@ -14,7 +13,7 @@ namespace {
 /// A stretch of a plate in the x-y plane, 0.5 m wide, of square cells; lines along both ends in x are groups.
 struct Stretch {
   double from = 0.0, to = 0.0;        ///< along x [m]
-  std::string first_end, second_end;  ///< names of the groups
+  std::string first_end, second_end;  ///< names of the groups; "": none
   double shift = 0.0;                 ///< of all nodes along y [m]
 };
 
@@ -26,21 +25,28 @@ void write_plate(const std::filesystem::path& file, const Stretch& plate) {
   const auto node = [](int i, int j) { return i * (cells_across + 1) + j + 1; };
   std::ofstream out(file);
   out.precision(17);
-  out << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n2 1 \"plate\"\n1 2 \"" << plate.first_end
-      << "\"\n1 3 \"" << plate.second_end << "\"\n$EndPhysicalNames\n$Nodes\n"
-      << (along + 1) * (cells_across + 1) << "\n";
+  struct End {
+    int group, at;
+    std::string name;
+  };
+  std::vector<End> ends{{2, 0, plate.first_end}, {3, along, plate.second_end}};
+  std::erase_if(ends, [](const End& end) { return end.name.empty(); });
+  out << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n" << 1 + ends.size() << "\n2 1 \"plate\"\n";
+  for (const auto& end : ends) out << "1 " << end.group << " \"" << end.name << "\"\n";
+  out << "$EndPhysicalNames\n$Nodes\n" << (along + 1) * (cells_across + 1) << "\n";
   for (int i = 0; i <= along; ++i)
     for (int j = 0; j <= cells_across; ++j)
       out << node(i, j) << " " << plate.from + i * cell << " " << j * cell + plate.shift << " 0\n";
-  out << "$EndNodes\n$Elements\n" << along * cells_across + 2 * cells_across << "\n";
+  out << "$EndNodes\n$Elements\n" << (along + static_cast<int>(ends.size())) * cells_across << "\n";
   int id = 0;
   for (int i = 0; i < along; ++i)
     for (int j = 0; j < cells_across; ++j)
       out << ++id << " 3 2 1 1 " << node(i, j) << " " << node(i + 1, j) << " " << node(i + 1, j + 1) << " "
           << node(i, j + 1) << "\n";
-  for (const auto& [group, i] : {std::pair{2, 0}, std::pair{3, along}})
+  for (const auto& end : ends)
     for (int j = 0; j < cells_across; ++j)
-      out << ++id << " 1 2 " << group << " " << group << " " << node(i, j) << " " << node(i, j + 1) << "\n";
+      out << ++id << " 1 2 " << end.group << " " << end.group << " " << node(end.at, j) << " " << node(end.at, j + 1)
+          << "\n";
   out << "$EndElements\n";
 }
 
@@ -57,9 +63,9 @@ constexpr double cutoff = 1000.0;  // Hz
 class JoinedPlate : public testing::Test {
 protected:
   JoinedPlate() : folder_("joints") {
-    write_plate(folder_ / "whole.msh", {0.0, 1.5, "root", "tip"});
+    write_plate(folder_ / "whole.msh", {0.0, 1.5, "root", ""});
     write_plate(folder_ / "left.msh", {0.0, 0.5, "root", "seam"});
-    write_plate(folder_ / "right.msh", {0.5, 1.5, "seam", "tip"});
+    write_plate(folder_ / "right.msh", {0.5, 1.5, "seam", ""});
   }
 
   [[nodiscard]] std::string whole() const {
@@ -106,9 +112,7 @@ TEST_F(JoinedPlate, HasTheFrequenciesOfTheWholeWhenBothPartsAreReduced) {
   const Eigen::Index count = (expected.array() < 0.5 * cutoff).count();
   ASSERT_GT(count, 20);
   ASSERT_LT(count, expected.size());
-  const double worst = relative_error(frequencies_of(reduced, count), expected.head(count)).maxCoeff();
-  EXPECT_LE(worst, 1e-3);
-  expect_figure("joints.frequency_error", worst);
+  EXPECT_LE(relative_error(frequencies_of(reduced, count), expected.head(count)).maxCoeff(), 1e-3);
 }
 
 /// A force at the free corner, and what the corner does: the same with one mesh and with two.
@@ -143,7 +147,7 @@ TEST_F(JoinedPlate, IsEstimatedFromARecord) {
   ASSERT_NE(corner, nullptr);
   EXPECT_LE(difference(corner->mean.tail(300),
                        simulated(results, "right.corner.z", ObservedQuantity::displacement).tail(300)),
-            0.05);
+            0.1);
 }
 
 /// Two superelements of one file, whose nodes have the same numbers: the top of the first is the foot of the second.
@@ -165,16 +169,18 @@ TEST(JoinedMatrices, KeepTheirOwnNumbers) {
 }
 
 TEST_F(JoinedPlate, RefusesGroupsThatDoNotExist) {
-  const auto found = problems_of(changed(joined(), "right.seam]", "right.saem]"));
-  EXPECT_NE(found.find("has no group of nodes 'saem'; did you mean 'seam'"), std::string::npos) << found;
-  const auto part = problems_of(changed(joined(), "right.seam]", "rihgt.seam]"));
-  EXPECT_NE(part.find("no finite-element substructure 'rihgt'; did you mean 'right'"), std::string::npos) << part;
-  const auto same = problems_of(changed(joined(), "right.seam]", "left.root]"));
+  const auto group = problems_of(changed(joined(), "right.seam]", "right.sean]"));
+  EXPECT_NE(group.find("substructure 'right' has no group of nodes 'sean' (did you mean 'seam'?)"), std::string::npos)
+      << group;
+  const auto part = problems_of(changed(joined(), "right.seam]", "righ.seam]"));
+  EXPECT_NE(part.find("no finite-element substructure 'righ' (did you mean 'right'?)"), std::string::npos) << part;
+  EXPECT_EQ(part.find("no boundary"), std::string::npos) << part;  // which follows from the wrong name
+  const auto same = problems_of(changed(joined(), "right.seam]", "left.plate]"));
   EXPECT_NE(same.find("both groups belong to substructure 'left'"), std::string::npos) << same;
 }
 
 TEST_F(JoinedPlate, RefusesNodesWithoutAPartner) {
-  write_plate(folder_ / "shifted.msh", {0.5, 1.5, "seam", "tip", 0.3 * cell});
+  write_plate(folder_ / "shifted.msh", {0.5, 1.5, "seam", "", 0.3 * cell});
   const auto found = problems_of(joined("shifted.msh"));
   EXPECT_NE(
       found.find("7 of the 7 nodes of 'left.seam' have no partner in 'right.seam'; the nearest to one is 0.025 m"),
@@ -186,8 +192,15 @@ TEST_F(JoinedPlate, RefusesNodesWithoutAPartner) {
 }
 
 TEST_F(JoinedPlate, RefusesASupportOnOneSideOnly) {
-  const auto found = problems_of(changed(joined(), "nodes: root", "nodes: seam"));
-  EXPECT_NE(found.find("'seam' cannot move"), std::string::npos) << found;
+  const auto held = [&](const std::string& directions) {
+    return problems_of(
+        changed(joined(), "clamp: {nodes: root}", "clamp: {nodes: root}, more: {nodes: seam" + directions + "}"));
+  };
+  const auto all = held("");
+  EXPECT_NE(all.find("'seam' cannot move"), std::string::npos) << all;
+  const auto one = held(", directions: [x]");
+  EXPECT_NE(one.find("and its partner cannot move alike along x"), std::string::npos) << one;
+  EXPECT_NE(one.find("in 'left' a support holds it there"), std::string::npos) << one;
 }
 
 TEST_F(JoinedPlate, RefusesModalDampingOfAPart) {

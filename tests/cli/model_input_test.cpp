@@ -164,8 +164,7 @@ TEST(Mass, IsTheWholeAndTheFreePartBesideIt) {
 
 TEST(MissingParts, AreRefusedUnlessTheCaseAcceptsThem) {
   const ScratchFolder folder("missing");
-  const std::string deck =
-      plate_deck(rigid_link, "CBEND,70,8,21,31,32,22\nPBEND,8,9,.001\nFORCE,5,42,,1.,0.,0.,1.\n");
+  const std::string deck = plate_deck(rigid_link, "CBEND,70,8,21,31,32,22\nPBEND,8,9,.001\nFORCE,5,42,,1.,0.,0.,1.\n");
   const auto refused = run("modes", folder, deck, case_of("{tip: 42}", ""));
   EXPECT_EQ(refused.code, 2);
   for (const char* piece : {"plate.bdf:35", "CBEND is missing", "accept_missing: [CBEND]"})

@@ -96,7 +96,7 @@ TEST_F(Static, EachMistakeHasOneMessageWithItsLine) {
   };
   for (const auto& [text, message] :
        {Mistake{"{substructure: leg, cases: {a: {gravity: [0, 0, 1]}}}", "no finite-element substructure 'leg'"},
-        {"{substructure: arm, cases: {}}", "cases is empty"},
+        {"{substructure: arm, cases: {}}", "there is no load case"},
         {"{substructure: arm, cases: {a: {}}}", "the load case has no load"},
         {"{substructure: arm, cases: {a: {forces: [{at: top, force: [1, 0, 0]}]}}}", "no node or group 'top'"},
         {"{substructure: arm, cases: {a: {forces: [{at: tip}]}}}", "the load is zero"},

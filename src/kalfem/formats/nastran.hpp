@@ -23,8 +23,7 @@ namespace kalfem {
 /// * CELAS1-4 CDAMP1-4 CMASS1-4 CBUSH CBUSH1D CVISC with PELAS PDAMP PMASS PBUSH PBUSH1D PVISC; CONM1 CONM2;
 /// * MAT1 MAT2 MAT8 MAT9, by temperature with MATT1 MATT2 MATT8 MATT9, TABLEM1-4, TEMP TEMPD;
 /// * RBE1 RBE2 RBE3 RBAR RROD; MPC MPCADD SPC SPC1 SPCADD; DMIG;
-/// * if load cases are asked for, FORCE MOMENT PLOAD2 PLOAD4 GRAV LOAD SPCD and the D of SPC, one case a subcase with its
-///   LOAD;
+/// * where load cases are asked for, FORCE MOMENT PLOAD2 PLOAD4 GRAV LOAD SPCD and the D of SPC: one case a subcase;
 /// * PARAM WTMASS, COUPMASS (lumped mass without it), AUTOSPC (on without it).
 /// Components at a node (SPC, MPC, RBE, CELAS, DMIG, ...) act in its displacement system CD. Loads, solution requests
 /// and everything else that is not part of K, M and C is passed over or becomes a note of its class. Elements that are

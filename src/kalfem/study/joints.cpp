@@ -157,30 +157,26 @@ private:
   bool refused_ = false;
 };
 
-const FiniteElementPart* find_part(const StructureModel& structure, const Name& name, IssueList& issues) {
-  const std::string substructure = split(name.value).first;
+/// The substructure of one end of a joint; null, with an issue, where it is none with finite elements.
+const d::Substructure* find_substructure(const d::Case& given, const Name& end, IssueList& issues) {
+  const std::string wanted = split(end.value).first;
   std::vector<std::string> known;
-  for (const auto& each : structure.finite_elements) {
-    known.push_back(each.part->name);
-    if (each.part->name == substructure) return each.part.get();
+  for (const auto& [name, part] : given.substructures) {
+    if (!part.finite_elements) continue;
+    if (name == wanted) return &part;
+    known.push_back(name);
   }
-  issues.add(name.location,
-             name.path + ": there is no finite-element substructure '" + substructure + "'" +
-                 did_you_mean(substructure, known),
+  issues.add(end.location,
+             end.path + ": there is no finite-element substructure '" + wanted + "'" + did_you_mean(wanted, known),
              "joints connect nodes of meshes", "write substructure.group");
   return nullptr;
 }
 
-/// Own modes of a joined substructure are none of the whole structure.
-void refuse_modal_damping(const d::Case& given, const Name& name, IssueList& issues) {
-  const auto& part =
-      std::ranges::find(given.substructures, split(name.value).first, &std::pair<std::string, d::Substructure>::first)
-          ->second;
-  if (!part.damping.modal.empty())
-    issues.add(name.location,
-               name.path + ": the joined substructure '" + split(name.value).first + "' has modal damping",
-               "its modes by itself are none of the joined structure",
-               "give `damping: {modal: ...}` for the whole structure, or Rayleigh damping");
+const FiniteElementPart& part_of(const StructureModel& structure, const Name& end) {
+  const std::string wanted = split(end.value).first;
+  return *std::ranges::find_if(structure.finite_elements, [&](const auto& each) {
+            return each.part->name == wanted;
+          })->part;
 }
 
 }  // namespace
@@ -194,20 +190,27 @@ std::vector<Name> joined_groups(const d::Case& given, const std::string& substru
   return groups;
 }
 
+void check_joints(const d::Case& given, IssueList& issues) {
+  for (const auto& [name, joint] : given.joints) {
+    for (const auto& end : joint.between)
+      if (const auto* part = find_substructure(given, end, issues); part && !part->damping.modal.empty())
+        issues.add(end.location,
+                   end.path + ": the joined substructure '" + split(end.value).first + "' has modal damping",
+                   "its modes by itself are none of the joined structure",
+                   "give `damping: {modal: ...}` for the whole structure, or Rayleigh damping");
+    const auto& [one, other] = joint.between;
+    if (split(one.value).first == split(other.value).first)
+      issues.add(other.location, other.path + ": both groups belong to substructure '" + split(other.value).first + "'",
+                 "a joint connects two substructures", "join nodes of one mesh by `links`");
+  }
+}
+
 std::vector<SharedDof> make_joints(const d::Case& given, const StructureModel& structure,
                                    std::vector<std::string>& warnings, IssueList& issues) {
   std::vector<SharedDof> all;
   for (const auto& [name, joint] : given.joints) {
     const auto& [one, other] = joint.between;
-    const auto *first = find_part(structure, one, issues), *second = find_part(structure, other, issues);
-    if (!first || !second) continue;
-    if (first == second) {
-      issues.add(other.location, other.path + ": both groups belong to substructure '" + first->name + "'",
-                 "a joint connects two substructures", "join nodes of one mesh by `links`");
-      continue;
-    }
-    for (const auto& end : joint.between) refuse_modal_damping(given, end, issues);
-    const Side from(*first, one), to(*second, other);
+    const Side from(part_of(structure, one), one), to(part_of(structure, other), other);
     Joiner joiner(from, to, joint.tolerance);
     if (!joiner.pair(issues)) continue;
     const auto shared = joiner.share(warnings, issues);

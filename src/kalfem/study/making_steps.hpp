@@ -37,6 +37,7 @@ enum class StudyItem {
   other_keys,
   // results
   agreement_of_sections,
+  joint_names,
   elements,
   parts,
   joined_nodes,

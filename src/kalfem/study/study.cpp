@@ -120,11 +120,13 @@ private:
   void make_structure() {
     step(agreement_of_sections, {other_keys, substructures, sensors}, {},
          [&](IssueList& issues) { check_sections(study_.given, issues); });
+    step(joint_names, {substructures, joints}, {"joints"},
+         [&](IssueList& issues) { check_joints(study_.given, issues); });
     step(elements, needs_of_elements(), {"substructures"},
          [&](IssueList& issues) { add_finite_elements(*structure_, study_, progress_, issues); });
     step(parts, {substructures, elements, component}, {"substructures"},
          [&](IssueList& issues) { structure_->parts = make_parts(study_.given, structure_->reduced_parts(), issues); });
-    step(joined_nodes, {elements, joints, parts}, {"joints"}, [&](IssueList& issues) {
+    step(joined_nodes, {elements, parts}, {"joints"}, [&](IssueList& issues) {
       structure_->parts.shared = make_joints(study_.given, *structure_, study_.warnings, issues);
     });
     step(names, {substructures, elements}, {"substructures"}, [&](IssueList& issues) { check_names(issues); });
@@ -238,7 +240,8 @@ private:
   /// Finite elements are assembled for the points and parameters that other sections name.
   [[nodiscard]] StudyItems needs_of_elements() const {
     if (!has_finite_elements(study_.given)) return {substructures};
-    return {substructures, connectors, joints, excitation, sensors, simulate, estimate, update, modifications, statics};
+    return {substructures, joint_names, connectors, excitation,    sensors,
+            simulate,      estimate,    update,     modifications, statics};
   }
 
   /// Other problems of the excitation do not matter to its signals.

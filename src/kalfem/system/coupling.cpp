@@ -12,7 +12,6 @@ namespace kalfem {
 namespace {
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
-
 using Places = std::vector<Eigen::Index>;
 
 void append_block(Triplets& triplets, const SparseMatrix& block, const Places& places) {
@@ -53,7 +52,7 @@ public:
     return parent;
   }
   void unite(Eigen::Index one, Eigen::Index other) {
-    const auto [smaller, larger] = std::minmax(first(one), first(other));
+    const auto [smaller, larger] = std::minmax({first(one), first(other)});
     parents_[static_cast<std::size_t>(larger)] = smaller;
   }
 

@@ -222,11 +222,6 @@ private:
   ActiveLoads loads_;
 };
 
-bool is_empty(const LoadCase& load_case) {
-  return load_case.loads.empty() && load_case.pressures.empty() && load_case.imposed.empty() &&
-         load_case.gravity.isZero(0.0);
-}
-
 }  // namespace
 
 std::vector<LoadCase> read_load_cases(const RawDeck& raw, PlacedDeck& deck, const NodeAxes& axes,

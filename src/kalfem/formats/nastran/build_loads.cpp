@@ -147,11 +147,6 @@ private:
   std::set<NodalDof> held_;                    ///< by supports
 };
 
-bool is_empty(const LoadCase& load_case) {
-  return load_case.loads.empty() && load_case.pressures.empty() && load_case.imposed.empty() &&
-         load_case.gravity.isZero(0.0);
-}
-
 }  // namespace
 
 std::vector<LoadCase> build_load_cases(Building& building) {

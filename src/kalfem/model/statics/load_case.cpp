@@ -116,6 +116,11 @@ AccelerationField LoadCase::field() const {
   return field;
 }
 
+bool is_empty(const LoadCase& load_case) {
+  return load_case.loads.empty() && load_case.pressures.empty() && load_case.imposed.empty() &&
+         load_case.gravity.isZero(0.0) && !load_case.rotation;
+}
+
 Eigen::VectorXd nodal_forces(const FiniteElementModel& model, const LoadCase& load_case) {
   Eigen::VectorXd forces = Eigen::VectorXd::Zero(6 * model.mesh.node_count());
   for (const auto& load : load_case.loads) {

@@ -52,6 +52,9 @@ struct LoadCase {
   [[nodiscard]] AccelerationField field() const;
 };
 
+/// Whether a load case holds no load at all.
+bool is_empty(const LoadCase& load_case);
+
 /// Forces of the loads and pressures at every degree of freedom, 6 to a node; without gravity and rotation. Pressure is
 /// integrated by the shape functions of the face, f_i = -p int N_i n dA, exactly for straight sides.
 Eigen::VectorXd nodal_forces(const FiniteElementModel& model, const LoadCase& load_case);
