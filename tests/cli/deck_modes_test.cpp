@@ -60,7 +60,7 @@ TEST(DeckModes, CountTheUnits) {
 
 /// Steel beams in mm, t and s from grid 1 to `grids`.
 std::string steel_beams(int grids, const std::string& more = "") {
-  std::string deck = "BEGIN BULK\nMAT1,1,2.1+5,,.3,7.85-9\nPBAR,1,1,100.,833.,833.,1406.\n";
+  std::string deck = "SOL 103\nBEGIN BULK\nMAT1,1,2.1+5,,.3,7.85-9\nPBAR,1,1,100.,833.,833.,1406.\n";
   for (int grid = 1; grid <= grids; ++grid)
     deck += "GRID," + std::to_string(grid) + ",," + std::to_string(100 * grid) + ".,0.,0." +
             (grid == 1 ? ",,123456\n" : "\n");
@@ -87,7 +87,8 @@ TEST(DeckModes, WarnOfUnitsThatAreNotDeclared) {
 // The fifth grid hangs on a spring along x alone.
 TEST(DeckModes, TellOfUnitsBeforeMechanisms) {
   const ScratchFolder folder("deck-modes-mechanism");
-  const std::string hanging = steel_beams(4, "GRID,5,,500.,0.,0.,,456\nCELAS2,9,1.,4,1,5,1\nCONM2,10,5,,1.-3\n");
+  const std::string hanging =
+      steel_beams(4, "PARAM,AUTOSPC,NO\nGRID,5,,500.,0.,0.,,456\nCELAS2,9,1.,4,1,5,1\nCONM2,10,5,,1.-3\n");
   const auto outcome = modes_of(hanging, folder);
   EXPECT_EQ(outcome.code, 2);
   EXPECT_NE(outcome.errors.find("declare the units: length mm, mass t, time s"), std::string::npos) << outcome.errors;
