@@ -50,10 +50,10 @@ SparseMatrix<double> kronecker_sum(const SparseMatrix<double>& a, const SparseMa
 void expect_eigenpairs(const SparseMatrix<double>& K, const SparseMatrix<double>& M, const LowestModes& modes) {
   const MatrixXd gram = modes.vectors.transpose() * (M * modes.vectors);
   EXPECT_LT((gram - MatrixXd::Identity(gram.rows(), gram.cols())).cwiseAbs().maxCoeff(), 5e-13);  // found 5e-14
-  const auto [factor, shift] = factor_stiffness(K, M);
+  const StiffnessFactor factored = factor_stiffness(K, M);
   for (Index i = 0; i < modes.values.size(); ++i) {
     const VectorXd phi = modes.vectors.col(i);
-    const VectorXd residual = (modes.values[i] + shift) * factor.solve(M * phi) - phi;
+    const VectorXd residual = (modes.values[i] + factored.shift) * factored.factor.solve(M * phi) - phi;
     EXPECT_LT(std::sqrt(residual.dot(M * residual)), 1.5 * LowestModesOptions{}.tolerance) << i;
   }
 }

@@ -315,5 +315,26 @@ TEST(Mechanisms, DegreesOfFreedomWithoutStiffnessAreNamed) {
             (std::vector<std::string>{"n4.x", "n4.z", "n4.rx", "n4.ry", "n4.rz"}));
 }
 
+// A mechanism leaves no factor, so a model with one needs no further look.
+TEST(Mechanisms, OnlySoundModelsHaveAFactorThatIsHeldByTheirRigidBodyMotions) {
+  auto model = beam_model({1.0, 0.3, 0.0}, 20, rectangular_section(0.04, 0.06));
+  const auto rigid_modes = [&] {
+    const auto factor = factor_held(model, assemble(model));
+    return factor ? factor->rigid_modes.cols() : -1;
+  };
+  EXPECT_EQ(rigid_modes(), 6) << "free";
+  model.fixed = {fix("pin", {0}, {true, true, true, false, false, false})};
+  EXPECT_EQ(rigid_modes(), 3) << "turning about a pin";
+  model.fixed = {fix("wall", {0})};
+  EXPECT_EQ(rigid_modes(), 0) << "clamped";
+  model.fixed.clear();
+  const auto hung = add_node(model.mesh, {1.0, 1.0, 0.0});
+  NodalSpring spring = spring_to_ground("s", {2, 1}, 1e3);
+  spring.to = NodalDof{hung, 1};
+  model.springs = {spring};
+  model.masses = {body("m", hung, 1.0, 0.1)};
+  EXPECT_EQ(rigid_modes(), -1) << "a mass hangs on one spring";
+}
+
 }  // namespace
 }  // namespace kalfem
