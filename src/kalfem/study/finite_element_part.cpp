@@ -238,7 +238,7 @@ DescribedPart make_finite_element_part(const std::string& name, const d::Substru
   const auto joined = joined_boundary(part, uses.joined);
   if (given.preload) part.preload_stiffness = preload_stiffness(part, *given.preload, uses.statics);
   try {
-    check_thickness_at_gauges(part, parameters);
+    check_thickness_at_gauges(part, uses.parameters);
     auto kept = all_dofs(boundary);
     std::ranges::move(all_dofs(joined), std::back_inserter(kept));
     assemble_part(part, {.parameters = {uses.parameters.begin(), uses.parameters.end()}, .independent = kept});
