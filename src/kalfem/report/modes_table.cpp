@@ -1,6 +1,6 @@
 #include "kalfem/report/modes_table.hpp"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -24,21 +24,38 @@ std::pair<std::string, std::string> written_apart(double one, double other) {
   return alike ? std::pair(six_digits(one), six_digits(other)) : std::pair(four_digits(one), four_digits(other));
 }
 
+/// Below what it shows, the sign is that of rounding.
+std::string difference_in_words(const ModeComparison& compared) {
+  const std::string words = fmt::format("{:.4f} %", 100.0 * (compared.reduced / compared.full - 1.0));
+  return words == "-0.0000 %" ? "0.0000 %" : words;
+}
+
 std::vector<std::string> compared_row(const std::string& part, Index mode, const ModeComparison& compared) {
   const auto [full, reduced] = written_apart(compared.full, compared.reduced);
   return {part,
           std::to_string(mode + 1),
           full,
           reduced,
-          compared.full > 0.0 ? fmt::format("{:.4f} %", 100.0 * (compared.reduced / compared.full - 1.0)) : "-",
+          compared.full > 0.0 ? difference_in_words(compared) : "-",
           fmt::format("{:.6f}", compared.mac),
           fmt::format("{:.1e}", compared.residual)};
 }
 
-/// Why modes of a substructure are not compared.
-std::string reason_for_dashes(const Study& study, const SubstructureModes& part) {
-  const auto* elements = find_elements(study, part.name);
-  if (!elements) return fmt::format("'{}' is not reduced: it is lumped.", part.name);
+/// "'wheel' is lumped" or "'wheel' and 'body' are lumped"; empty without any.
+std::string lumped_words(const Study& study, const StudyResults& results) {
+  std::vector<std::string> names;
+  for (const auto& part : results.modes)
+    if (!find_elements(study, part.name)) names.push_back("'" + part.name + "'");
+  if (names.empty()) return "";
+  if (names.size() == 1) return names[0] + " is lumped: there is nothing to reduce.";
+  const std::string last = names.back();
+  names.pop_back();
+  return fmt::format("{} and {} are lumped: there is nothing to reduce.", fmt::join(names, ", "), last);
+}
+
+/// Why modes of a finite-element substructure are not compared.
+std::string reason_for_dashes(const FiniteElementSubstructure* elements, const SubstructureModes& part) {
+  if (!elements) return "";
   if (!elements->reduced) return fmt::format("'{}' is not reduced: nothing is attached to its nodes.", part.name);
   const auto& indicators = elements->reduced->error_indicators;
   if (static_cast<Index>(indicators.modes.size()) >= part.frequencies.size()) return "";
@@ -55,6 +72,7 @@ std::string reason_for_dashes(const Study& study, const SubstructureModes& part)
 
 Table modes_table(const Study& study, const StudyResults& results) {
   Table table{"Modes", {"substructure", "mode", "full [Hz]", "reduced [Hz]", "difference", "MAC", "residual"}, {}, {}};
+  table.caption = lumped_words(study, results);
   for (const auto& part : results.modes) {
     const auto* elements = find_elements(study, part.name);
     const auto compared =
@@ -64,7 +82,7 @@ Table modes_table(const Study& study, const StudyResults& results) {
       table.rows.push_back(compared_row(part.name, i, compared[static_cast<std::size_t>(i)]));
     for (Index i = count; i < part.frequencies.size(); ++i)
       table.rows.push_back({part.name, std::to_string(i + 1), four_digits(part.frequencies[i]), "-", "-", "-", "-"});
-    if (const auto reason = reason_for_dashes(study, part); !reason.empty())
+    if (const auto reason = reason_for_dashes(elements, part); !reason.empty())
       table.caption += (table.caption.empty() ? "" : " ") + reason;
   }
   return without_empty_columns(std::move(table));
