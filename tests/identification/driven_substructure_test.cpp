@@ -24,7 +24,8 @@ TEST(DrivenSubstructure, HasItsBoundaryWhereConnectorsTouchIt) {
   const CoupledModel model = couple(structure->parts);
   const DrivenSubstructure body(*structure, model, "body");
   EXPECT_EQ(body.points(), std::vector<std::string>{"body.1"});
-  EXPECT_EQ(body.place().offset, 1);
+  EXPECT_EQ(body.place().dofs.front(), 1);
+  EXPECT_EQ(std::ssize(body.place().dofs), body.place().part.model->size());
 }
 
 /// A boundary that moves at constant speed carries the body along as a rigid one.
