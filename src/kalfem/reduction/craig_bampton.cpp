@@ -15,6 +15,14 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+/// Part of a column's length below which what is left of it is rounding.
+constexpr double rounding = 1e-10;
+
+/// sqrt(diag(X^T M X))
+VectorXd lengths(const MatrixXd& shapes, const SparseMatrix& mass) {
+  return shapes.cwiseProduct(mass * shapes).colwise().sum().cwiseMax(0.0).cwiseSqrt();
+}
+
 void remove_kept(MatrixXd& shapes, const MatrixXd& kept, const SparseMatrix& mass) {
   for (int pass = 0; pass < 2; ++pass) shapes -= kept * (kept.transpose() * (mass * shapes));
 }
@@ -24,13 +32,14 @@ void remove_kept(MatrixXd& shapes, const MatrixXd& kept, const SparseMatrix& mas
 ///     X = (1 - Phi Phi^T M_ii) K_ii^-1 (M_ii Psi + M_ib),
 /// made mass-normalised and uncoupled, so that they read as further modes (vectors n_i x at most n_b, values
 /// [(rad/s)^2] above those of the kept modes). Columns that add nothing are dropped: none are left where all modes are
-/// kept.
+/// kept. What is left of a column may be small, as its part in mode j falls with 1 / lambda_j, and counts all the same.
 LowestModes augmentation_vectors(const Partition& parts, const SparseMatrix& mass_ib, const MatrixXd& constraint_modes,
                                  const MatrixXd& kept, const SparseFactor& stiffness) {
   MatrixXd shapes = stiffness.solve(MatrixXd(parts.mass_ii * constraint_modes + MatrixXd(mass_ib)));
-  for (Index j = 0; j < shapes.cols(); ++j)
-    if (const double size = std::sqrt(shapes.col(j).dot(parts.mass_ii * shapes.col(j))); size > 0.0)
-      shapes.col(j) /= size;
+  const VectorXd sizes = lengths(shapes, parts.mass_ii);
+  remove_kept(shapes, kept, parts.mass_ii);
+  const VectorXd left = lengths(shapes, parts.mass_ii);
+  for (Index j = 0; j < shapes.cols(); ++j) shapes.col(j) *= left[j] > rounding * sizes[j] ? 1.0 / left[j] : 0.0;
   remove_kept(shapes, kept, parts.mass_ii);
   shapes = orthonormal(shapes, parts.mass_ii);
   if (shapes.cols() == 0) return {VectorXd(), shapes, {}, 0};
