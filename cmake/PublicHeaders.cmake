@@ -9,11 +9,9 @@ set(KALFEM_CORE_HEADERS
     base/interruption.hpp base/invalid_input.hpp base/progress.hpp
     diagnosis/diagnosis.hpp verdict/verdict.hpp
     estimation/filter_kind.hpp estimation/parameter_transform.hpp identification/point_prior.hpp identification/unknown_scores.hpp
-    linalg/sparse_factor.hpp linalg/stiffness_factor.hpp
+    linalg/sparse_factor.hpp
     model/finite_element_model.hpp model/linear_model.hpp model/lumped.hpp model/unit_system.hpp
     model/elements/element.hpp model/mesh/mesh.hpp model/mesh/properties.hpp
-    # strain gauges, and the elements whose strains they take
-    model/assembly/assembly.hpp model/assembly/matrix_sums.hpp model/assembly/rigid_motion.hpp model/elements/beam.hpp model/elements/beam_forces.hpp model/elements/shell.hpp model/elements/shell_strains.hpp model/gauges/gauge_placement.hpp model/gauges/strain_gauge.hpp model/statics/rotation.hpp model/statics/stresses.hpp
     records/record.hpp reduction/superelement.hpp
     system/connector_law.hpp system/signal.hpp
     system/sensors/measurement_chain.hpp system/sensors/output_description.hpp

@@ -103,13 +103,6 @@ FiniteElements reduced(const FiniteElements& self, std::optional<double> up_to, 
   return elements.reduce({.method = method_named(method), .modes = {.count = modes, .cutoff = up_to}}, names);
 }
 
-Layer layer_named(const std::string& name) {
-  for (const Layer layer : {Layer::top, Layer::middle, Layer::bottom})
-    if (name == to_string(layer)) return layer;
-  throw InvalidInput("surface: '" + name + "' is given", "a shell has a top, a middle and a bottom",
-                     "give one of these names");
-}
-
 /// A vector of that many numbers, named in messages.
 Eigen::VectorXd numbers_of(const py::handle& given, const std::string& argument, Eigen::Index count) {
   Eigen::VectorXd values = vector_of(given, argument);
@@ -122,13 +115,12 @@ Eigen::VectorXd numbers_of(const py::handle& given, const std::string& argument,
 FiniteElements with_gauge(const FiniteElements& self, const std::string& name, const py::object& where,
                           const py::object& direction, const std::optional<std::string>& surface,
                           const py::object& fibre, const std::string& region) {
-  GaugeDescription gauge{.name = name, .region = region};
+  Gauge gauge{.name = name, .surface = surface.value_or(""), .region = region};
   if (py::isinstance<py::int_>(where))
     gauge.place = where.cast<std::int64_t>();
   else
     gauge.place = Eigen::Vector3d(numbers_of(where, "where", 3));
   if (!direction.is_none()) gauge.direction = Eigen::Vector3d(numbers_of(direction, "direction", 3));
-  if (surface) gauge.surface = layer_named(*surface);
   if (!fibre.is_none()) gauge.fibre = Eigen::Vector2d(numbers_of(fibre, "fibre", 2));
   FiniteElements elements = self;
   return elements.gauge(std::move(gauge));

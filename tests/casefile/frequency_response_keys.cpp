@@ -95,9 +95,7 @@ void substructure() {
 
 KeyChecks frequency_response_keys() {
   const std::string section = "frequency_response.";
-  return {{section + "frequencies", lines},
-          {section + "frequencies[]", lines},
-          {section + "frequencies.from", lines},
+  return {{section + "frequencies.from", lines},
           {section + "frequencies.to", lines},
           {section + "frequencies.lines", lines},
           {section + "frequencies.spacing", lines},

@@ -136,6 +136,7 @@ KeyChecks report_keys() {
   return {{"title", titles},
           {"report.modes", numbers_of_modes},
           {"report.displacements", displacements},
+          {"report.strains", strains},
           {"report.frequencies", frequencies_over_time},
           {"report.zoom", zooms},
           {"report.fields.substructure", pictures},

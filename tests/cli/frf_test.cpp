@@ -74,8 +74,9 @@ TEST_F(Frf, WritesAResonanceInEveryFile) {
   EXPECT_FALSE(responses[0].contains("difference"));
   ASSERT_EQ(responses[0]["peaks"].size(), 1u);
   const Json peak = responses[0]["peaks"][0];
-  EXPECT_NEAR(peak["frequency_hz"].get<double>(), natural, 1e-6);
-  EXPECT_NEAR(peak["damping_ratio"].get<double>(), 0.02, 1e-6);
+  // The fit is that of light damping: it errs by zeta^2.
+  EXPECT_NEAR(peak["frequency_hz"].get<double>() / natural, 1.0, 5e-4);
+  EXPECT_NEAR(peak["damping_ratio"].get<double>() / 0.02, 1.0, 1e-3);
   EXPECT_NEAR(peak["magnitude"].get<double>(), 1.0 / (1.6 * 20.0), 1e-4);
 
   const auto table = read_frf_table(folder_ / "out" / "frf_full_displacement_o.m.csv");

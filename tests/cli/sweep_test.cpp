@@ -73,13 +73,13 @@ TEST_F(SweepCommand, GoesOnWithWhatIsFinished) {
 
 TEST_F(SweepCommand, AnotherSweepBeginsAgain) {
   ASSERT_EQ(sweep("--seeds 2").code, 0);
-  const auto outcome = sweep("--seeds 2 --set simulate.duration=0.4s");
+  const auto outcome = sweep("--seeds 2 --set simulate.duration=0.6s");
   EXPECT_EQ(outcome.code, 0) << outcome.errors;
   EXPECT_EQ(outcome.output.find("are known"), std::string::npos) << outcome.output;
 }
 
 TEST_F(SweepCommand, OneCombinationThatCannotRunSaysSo) {
-  const auto outcome = sweep("--grid simulate.duration=0.5s,-1s,0.4s");
+  const auto outcome = sweep("--grid simulate.duration=0.5s,-1s,0.6s");
   EXPECT_EQ(outcome.code, 0) << outcome.errors;
   EXPECT_NE(outcome.errors.find("run 2: set['simulate.duration']"), std::string::npos) << outcome.errors;
   EXPECT_FALSE(run_in("out", 1).contains("summary"));
@@ -87,10 +87,10 @@ TEST_F(SweepCommand, OneCombinationThatCannotRunSaysSo) {
 }
 
 TEST_F(SweepCommand, ArraysHoldWhatTheTableHolds) {
-  ASSERT_EQ(sweep("--seeds 3 --grid simulate.duration=0.5s,0.4s").code, 0);
+  ASSERT_EQ(sweep("--seeds 3 --grid simulate.duration=0.5s,0.6s").code, 0);
   const auto file = Hdf5File::open((folder_ / "out" / "sweep.h5").string());
   EXPECT_EQ(file.read("/seed"), (Eigen::VectorXd(6) << 1, 2, 3, 1, 2, 3).finished());
-  EXPECT_EQ(file.read_strings("/axes/simulate.duration")[5], "0.4s");
+  EXPECT_EQ(file.read_strings("/axes/simulate.duration")[5], "0.6s");
   const Json parameters = run_in("out", 4)["summary"]["parameters"];
   for (const auto& [name, parameter] : parameters.items())
     EXPECT_EQ(file.read("/parameters/" + name + "/estimate")[4], parameter["estimate"].get<double>()) << name;

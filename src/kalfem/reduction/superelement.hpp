@@ -6,10 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "kalfem/linalg/stiffness_factor.hpp"
+#include "kalfem/linalg/sparse_factor.hpp"
 #include "kalfem/model/linear_model.hpp"
 
 namespace kalfem {
+
+struct StiffnessFactor;
 
 /// How many fixed-interface modes are kept; what is given must all be satisfied (the largest number counts).
 ///
