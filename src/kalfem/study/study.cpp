@@ -126,7 +126,7 @@ private:
          [&](IssueList& issues) { add_finite_elements(*structure_, study_, progress_, issues); });
     step(parts, {substructures, elements, component}, {"substructures"},
          [&](IssueList& issues) { structure_->parts = make_parts(study_.given, structure_->reduced_parts(), issues); });
-    step(joined_nodes, {elements, parts}, {"joints"}, [&](IssueList& issues) {
+    step(joined_nodes, {joint_names, elements, parts}, {"joints"}, [&](IssueList& issues) {
       structure_->parts.shared = make_joints(study_.given, *structure_, study_.warnings, issues);
     });
     step(names, {substructures, elements}, {"substructures"}, [&](IssueList& issues) { check_names(issues); });
