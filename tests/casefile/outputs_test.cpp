@@ -266,7 +266,8 @@ TEST(ModesTable, SaysWhyNothingIsCompared) {
   const auto& [study, results] = everything();
   const auto table = modes_table(study, results);
   EXPECT_EQ(table.columns.size(), 3u) << "no empty columns";
-  EXPECT_NE(table.caption.find("'w' and 's' are lumped: there is nothing to reduce"), std::string::npos) << table.caption;
+  EXPECT_NE(table.caption.find("'w' and 's' are lumped: there is nothing to reduce"), std::string::npos)
+      << table.caption;
 }
 
 TEST(ResultsFile, HoldsThePosteriorByChainAndDraw) {
