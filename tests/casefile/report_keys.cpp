@@ -57,7 +57,7 @@ void displacements() {
 /// Strains that are not measured are shown if the case names none.
 void strains() {
   const auto shown = [](const std::string& report) {
-    const std::string gauges = "gauges: {g: {element: 1}, h: {element: 2}}";
+    const std::string gauges = "gauges: {g: {element: 1, fibre: [0, 4 mm]}, h: {element: 2, fibre: [0, 4 mm]}}";
     const auto study =
         study_of(beam_case({{"substructures", "{b: {finite_elements: {" + beam_elements(gauges) + "}}}"},
                             {"sensors", "{y: {strain: b.g, noise: 5 %}, a: {acceleration: b.tip.z, noise: 5 %}}"},
