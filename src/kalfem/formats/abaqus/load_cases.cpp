@@ -121,7 +121,7 @@ private:
   void read_gravity(const DataLine& line, int place, double value) {
     Eigen::Vector3d direction;
     for (int i = 0; i < 3; ++i)
-      direction[i] = number_or(line, static_cast<std::size_t>(3 + i), 0.0, "a direction", deck_.problems);
+      direction[i] = number_or(line, 3 + static_cast<std::size_t>(i), 0.0, "a direction", deck_.problems);
     if (!line.field(0).empty()) {
       std::vector<bool> loaded(deck_.elements.size(), false);
       for (const Index element : deck_.element_list({line.field(0), line.where}, place))
