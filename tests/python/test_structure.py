@@ -250,8 +250,8 @@ def test_a_gauge_measures_the_strain_of_its_element(tmp_path):
     assert data["g"].max() == pytest.approx(1000 / (210e9 * 20e-3 * 10e-3), rel=1e-3)  # F / E A
     with pytest.raises(kf.InvalidInput, match="strain gauge 'g' stands on element 7"):
         kf.modes(kf.Structure().add(frame.gauge("g", 7)))
-    with pytest.raises(kf.InvalidInput, match="surface: 'outside'"):
-        frame.gauge("g", 2, surface="outside")
+    with pytest.raises(kf.InvalidInput, match="surface is 'outside'"):
+        kf.modes(kf.Structure().add(frame.gauge("g", 2, surface="outside")))
 
 
 def test_an_estimate_on_a_structure_from_matrices():
