@@ -18,6 +18,7 @@ MumpsInstance::MumpsInstance(MPI_Comm ranks) {
   state_.comm_fortran = static_cast<MUMPS_INT>(MPI_Comm_c2f(ranks));
   state_.job = initialise;
   dmumps_c(&state_);
+  for (const int output : {0, 1, 2, 3}) state_.icntl[output] = 0;  // it writes nothing
 }
 
 MumpsInstance::~MumpsInstance() {

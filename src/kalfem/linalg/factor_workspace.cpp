@@ -14,7 +14,7 @@ FactorMaker& maker_in_use() {
 
 }  // namespace
 
-void use_factor_maker(FactorMaker maker) { maker_in_use() = std::move(maker); }
+FactorMaker use_factor_maker(FactorMaker maker) { return std::exchange(maker_in_use(), std::move(maker)); }
 
 std::unique_ptr<FactorWorkspace> make_factor_workspace(const LowerTriangle& pattern, const EliminationOrder& order) {
   if (const auto& maker = maker_in_use())

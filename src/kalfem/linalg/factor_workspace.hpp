@@ -26,15 +26,15 @@ public:
   [[nodiscard]] virtual EliminationOrder order() const = 0;
   [[nodiscard]] virtual double nonzeros() const = 0;        ///< entries of the factor
   [[nodiscard]] virtual double bytes() const = 0;           ///< memory of the factor [byte]
-  [[nodiscard]] virtual double smallest_pivot() const = 0;  ///< relative to its diagonal entry, or a lower bound
+  [[nodiscard]] virtual double smallest_pivot() const = 0;  ///< relative to its diagonal entry
 };
 
 /// Makes the workspace for a pattern; `order` may be empty. It may answer nothing: CHOLMOD then factors.
 using FactorMaker = std::function<std::unique_ptr<FactorWorkspace>(const LowerTriangle&, const EliminationOrder&)>;
 
 /// From now on `maker` is asked first, in the whole process; an empty one: CHOLMOD factors everything, as at the start.
-/// To be called while no other thread factors.
-void use_factor_maker(FactorMaker maker);
+/// To be called while no other thread factors. Returns the one before.
+FactorMaker use_factor_maker(FactorMaker maker);
 
 /// By the maker in use, otherwise by CHOLMOD.
 std::unique_ptr<FactorWorkspace> make_factor_workspace(const LowerTriangle& pattern, const EliminationOrder& order);
