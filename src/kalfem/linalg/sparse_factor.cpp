@@ -22,7 +22,8 @@ constexpr double zero_pivot = 1e-13;
 
 /// The lower triangle by columns, in CHOLMOD's 64-bit indices (those of L may exceed 32 bits where A's do not).
 struct LowerTriangle {
-  explicit LowerTriangle(const Eigen::SparseMatrix<double>& matrix) : size(matrix.rows()), diagonal(matrix.diagonal()) {
+  explicit LowerTriangle(const Eigen::SparseMatrix<double>& matrix, const Eigen::VectorXd& springs = {})
+      : size(matrix.rows()), diagonal(matrix.diagonal()) {
     starts.push_back(0);
     rows.reserve(static_cast<std::size_t>(matrix.nonZeros() / 2 + size) + 1);  // never without memory: CHOLMOD
     values.reserve(rows.capacity());                                           // refuses null pointers
@@ -30,10 +31,11 @@ struct LowerTriangle {
       for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, column); it; ++it)
         if (it.row() >= column) {
           rows.push_back(it.row());
-          values.push_back(it.value());
+          values.push_back(it.value() + (it.row() == column && springs.size() > 0 ? springs[column] : 0.0));
         }
       starts.push_back(static_cast<SuiteSparse_long>(rows.size()));
     }
+    if (springs.size() > 0) diagonal += springs;
   }
 
   [[nodiscard]] bool same_pattern(const LowerTriangle& other) const {
@@ -194,7 +196,8 @@ struct SparseFactor::Workspace {
   double smallest_pivot = 1.0;
 };
 
-SparseFactor::SparseFactor(const Eigen::SparseMatrix<double>& matrix, const EliminationOrder& order) {
+SparseFactor::SparseFactor(const Eigen::SparseMatrix<double>& matrix, const EliminationOrder& order,
+                           const Eigen::VectorXd& springs) {
   if (matrix.rows() != matrix.cols())
     throw InvalidInput("a " + std::to_string(matrix.rows()) + " x " + std::to_string(matrix.cols()) + " matrix",
                        "only a square matrix has a Cholesky factor", "pass a symmetric matrix");
@@ -202,7 +205,7 @@ SparseFactor::SparseFactor(const Eigen::SparseMatrix<double>& matrix, const Elim
     throw InvalidInput(
         "an order of " + std::to_string(order.size()) + " rows for a matrix of " + std::to_string(matrix.rows()),
         "it must contain each row once", "pass the order of a factor of the same size");
-  workspace_ = std::make_unique<Workspace>(LowerTriangle(matrix), order);
+  workspace_ = std::make_unique<Workspace>(LowerTriangle(matrix, springs), order);
   workspace_->factorize();
 }
 

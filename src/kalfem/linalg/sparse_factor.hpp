@@ -33,8 +33,9 @@ class SparseFactor {
 public:
   /// Only the lower triangle is read. Throws NotPositiveDefinite, and InvalidInput where A is not square.
   /// With an `order` of a matrix with the same pattern none is looked for, which is a good part of the work; of
-  /// another size it is refused with InvalidInput.
-  explicit SparseFactor(const Eigen::SparseMatrix<double>& matrix, const EliminationOrder& order = {});
+  /// another size it is refused with InvalidInput. `springs`, n x 1, are added to the diagonal, where they are given.
+  explicit SparseFactor(const Eigen::SparseMatrix<double>& matrix, const EliminationOrder& order = {},
+                        const Eigen::VectorXd& springs = {});
   ~SparseFactor();
   SparseFactor(SparseFactor&&) noexcept;
   SparseFactor& operator=(SparseFactor&&) noexcept;

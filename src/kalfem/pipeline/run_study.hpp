@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "kalfem/base/phase_times.hpp"
 #include "kalfem/base/progress.hpp"
 #include "kalfem/diagnosis/diagnose.hpp"
 #include "kalfem/dynamics/converged_solution.hpp"
@@ -165,6 +166,7 @@ struct StudyResults {
   std::optional<IdentifiedCase> identified;  ///< of a usable run with an estimation or an updating
   std::string failure;                       ///< why a step failed, in words; empty if all ran to their end
   bool interrupted = false;                  ///< it was asked to stop
+  PhaseTimes phases;  ///< "modes", "frequency_response", "diagnose", "validate", "verdict"; others have their `seconds`
   double total_seconds = 0.0;
 
   /// Whether every step ran to its end.

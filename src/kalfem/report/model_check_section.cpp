@@ -70,7 +70,7 @@ ModelCheckReport model_check_of(const FiniteElementPart& part, const ModelCheckO
     return check_model(part.full, places_of(part), options);
   // The stiffness of a preload resists turns of the whole: the elements are checked without it.
   if (part.preload_stiffness.size() > 0) return check_model(part.elements, assemble(part.elements), options);
-  return check_model(part.elements, part.assembled, options);
+  return check_model(part.elements, with_terms(part), options);
 }
 
 Table findings_table(const ModelCheckReport& report) {

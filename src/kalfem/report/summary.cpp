@@ -19,6 +19,7 @@
 #include "kalfem/report/inference_report.hpp"
 #include "kalfem/report/placement_report.hpp"
 #include "kalfem/report/process_noise_report.hpp"
+#include "kalfem/report/run_details.hpp"
 #include "kalfem/report/statics_report.hpp"
 #include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/tables.hpp"
@@ -385,21 +386,17 @@ Json validation_record_summary(const ValidationPlan& plan, const OpenLoopCompari
 
 Json timing_summary(const Study& study, const StudyResults& results) {
   Json timing = {{"total_s", number(results.total_seconds)}};
-  if (!study.structure->finite_elements.empty()) timing["reduce_s"] = number(study.reduce_seconds);
-  if (results.simulation) timing["simulate_s"] = number(results.simulation->seconds);
+  for (const auto& [step, seconds] : step_times(study, results).list()) timing[step + "_s"] = number(seconds);
+  for (const auto& [part, seconds] : study.reduce_phases.list()) timing["reduce_split_s"][part] = number(seconds);
   if (results.estimation) {
     const auto& outcome = *results.estimation;
     const auto steps = static_cast<double>(outcome.measurements.samples());
-    timing["estimate_s"] = number(outcome.seconds);
     timing["estimate_us_per_step"] = number(1e6 * outcome.result.time.filter() / steps);
     timing["real_time_factor"] = number(steps / outcome.measurements.sample_rate / outcome.result.time.filter());
     timing["estimate_split_s"] = {{"predict", number(outcome.result.time.predict)},
                                   {"update", number(outcome.result.time.update)},
                                   {"output", number(outcome.result.time.output)}};
   }
-  if (results.prediction) timing["predict_s"] = number(results.prediction->seconds);
-  if (results.updating) timing["update_s"] = number(results.updating->seconds);
-  if (results.statics) timing["static_s"] = number(results.statics->seconds);
   return timing;
 }
 

@@ -90,7 +90,7 @@ InvalidInput free_to_move(const FiniteElementModel& model, const AssembledModel&
   if (!words.empty())
     return {"'" + model.name + "' is free to move: it can " + words, "under a load its displacement has no bounds",
             "add supports, springs to ground or imposed motions"};
-  const auto mechanisms = find_mechanisms(model, assembled);
+  const auto mechanisms = find_mechanisms(model, assembled, stiffness);
   if (mechanisms.empty())
     return {"the stiffness of '" + model.name + "' is almost singular", "under a load its displacement has no bounds",
             "check for springs and materials that are far softer than the rest"};
