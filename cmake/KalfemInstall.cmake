@@ -50,6 +50,6 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/apps/kalfem/kalfem.schema.json DESTINA
 configure_package_config_file(cmake/kalfemConfig.cmake.in kalfemConfig.cmake INSTALL_DESTINATION ${package_folder})
 write_basic_package_version_file(kalfemConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/kalfemConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/kalfemConfigVersion.cmake
-              cmake/FindCHOLMOD.cmake cmake/FindHDF5Library.cmake cmake/FindMatio.cmake cmake/FindSndFile.cmake
+              cmake/FindCHOLMOD.cmake cmake/FindHDF5Library.cmake cmake/FindMatio.cmake cmake/FindMUMPS.cmake cmake/FindSndFile.cmake
               cmake/FindUMFPACK.cmake
         DESTINATION ${package_folder} COMPONENT core)

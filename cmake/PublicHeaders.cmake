@@ -24,5 +24,8 @@ set(KALFEM_STUDY_HEADERS report/run_case.hpp)
 # The folders' libraries of each component; a component uses those before it.
 set(KALFEM_CORE_LIBRARIES base linalg statistics sampling information verdict records model reduction system dynamics estimation prediction updating
                           identification diagnosis api)
+if(KALFEM_MPI)
+  list(APPEND KALFEM_CORE_LIBRARIES distributed)
+endif()
 set(KALFEM_FORMATS_LIBRARIES formats)
 set(KALFEM_STUDY_LIBRARIES evolution yaml casefile study pipeline report)

@@ -26,9 +26,10 @@ ALLOWED = {
     "estimation": MOTION,
     "prediction": MOTION | {"reduction"},
     "updating": MOTION | {"reduction", "estimation", "prediction"},
+    "distributed": NUMERICS,
     "yaml": {"base"},
 }
-LIBRARY = set(ALLOWED) - {"yaml"}
+LIBRARY = set(ALLOWED) - {"yaml", "distributed"}
 CORE = LIBRARY - {"formats", "verdict"}
 ALLOWED["identification"] = CORE | {"verdict"}
 ALLOWED["casefile"] = LIBRARY | {"identification", "yaml"}

@@ -8,6 +8,7 @@
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/version.hpp"
 #include "kalfem/formats/deck.hpp"
+#include "ranks.hpp"
 #include "verbs.hpp"
 
 using namespace kalfem;
@@ -249,5 +250,5 @@ int parse_and_execute(int argc, char** argv) {
 int main(int argc, char** argv) {
   command::prepare_streams();
   command::listen_to_signals();
-  return guarded([&] { return parse_and_execute(argc, argv); });
+  return guarded([&] { return command::on_ranks(argc, argv, [&] { return parse_and_execute(argc, argv); }); });
 }

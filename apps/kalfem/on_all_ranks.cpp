@@ -1,0 +1,57 @@
+#include <csignal>
+#include <cstdlib>
+#include <exception>
+
+#include "console.hpp"
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/distributed/ranks.hpp"
+#include "ranks.hpp"
+#include "verbs.hpp"
+
+namespace kalfem::command {
+namespace {
+
+constexpr const char* least_rows_variable = "KALFEM_DISTRIBUTED_ROWS";
+
+distributed::RanksOptions options() {
+  distributed::RanksOptions options;
+  const char* rows = std::getenv(least_rows_variable);
+  if (rows == nullptr) return options;
+  char* end = nullptr;
+  options.least_rows = std::strtol(rows, &end, 10);
+  if (end == rows || *end != '\0' || options.least_rows < 1)
+    throw InvalidInput(std::string(least_rows_variable) + "=" + rows,
+                       "it is the number of rows from which a matrix is distributed over the ranks",
+                       "set it to a number of at least 1, or not at all");
+  return options;
+}
+
+/// A worker does what rank 0 asks for, and it is rank 0 that a signal may ask to stop.
+int serve(distributed::Ranks& ranks) {
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_IGN);
+  try {
+    ranks.serve();
+  } catch (const std::exception& error) {
+    print_error("kalfem: rank {} of {} cannot go on: {}\n", ranks.rank(), ranks.size(), error.what());
+    ranks.abandon(a_bug);
+  }
+  return done;
+}
+
+}  // namespace
+
+int on_ranks(int argc, char** argv, const std::function<int()>& command) {
+  if (launched_rank().ranks == 1) return command();
+  const auto chosen = options();
+  distributed::Ranks ranks(argc, argv, chosen);
+  if (ranks.works_for_rank_0()) return serve(ranks);
+  const int code = command();
+  if (code == done && !ranks.were_needed())
+    print_error(
+        "warning: {} ranks were started, and rank 0 did everything: no matrix has the {} rows from which it is "
+        "distributed; start kalfem without mpirun\n",
+        ranks.size(), chosen.least_rows);
+  return code;
+}
+
+}  // namespace kalfem::command

@@ -1,0 +1,16 @@
+#include "kalfem/base/invalid_input.hpp"
+#include "ranks.hpp"
+#include "verbs.hpp"
+
+namespace kalfem::command {
+
+int on_ranks(int, char**, const std::function<int()>& command) {
+  const auto [ranks, rank] = launched_rank();
+  if (ranks == 1) return command();
+  if (rank > 0) return mend_the_input;  // rank 0 says why
+  throw InvalidInput("kalfem was started on " + std::to_string(ranks) + " ranks",
+                     "it was built without MPI, so each of them would do the whole work and write the same files",
+                     "build it with -DKALFEM_MPI=ON (cmake --preset mpi), or start it without mpirun");
+}
+
+}  // namespace kalfem::command

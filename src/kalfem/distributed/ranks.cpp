@@ -1,0 +1,68 @@
+#include "kalfem/distributed/ranks.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/distributed/mumps_instance.hpp"
+#include "kalfem/distributed/mumps_workspace.hpp"
+#include "kalfem/distributed/service.hpp"
+#include "kalfem/linalg/factor_workspace.hpp"
+
+namespace kalfem::distributed {
+
+Ranks::Ranks(int& argc, char**& argv, const RanksOptions& options) {
+  int threads = 0;
+  MPI_Init_thread(&argc, &argv, MPI_THREAD_SERIALIZED, &threads);
+  if (threads < MPI_THREAD_SERIALIZED)
+    throw InvalidInput("the MPI library has no support for threads", "those of a program take turns in calling it",
+                       "use an MPI library with MPI_THREAD_SERIALIZED");
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
+  MPI_Comm_size(MPI_COMM_WORLD, &size_);
+  service_ = std::make_unique<Service>(MPI_COMM_WORLD);
+  if (works_for_rank_0()) return;
+  const auto least_rows = std::max<Eigen::Index>(options.least_rows, size_);
+  use_factor_maker(
+      [&service = *service_, least_rows, &needed = were_needed_](
+          const LowerTriangle& pattern, const EliminationOrder& order) -> std::unique_ptr<FactorWorkspace> {
+        if (pattern.size < least_rows) return nullptr;
+        needed = true;
+        return std::make_unique<MumpsWorkspace>(service, pattern, order);
+      });
+}
+
+Ranks::~Ranks() {
+  if (!works_for_rank_0()) {
+    use_factor_maker({});
+    service_->together({Task::finish}, [] {});
+  }
+  MPI_Finalize();
+}
+
+void Ranks::serve() {
+  std::map<int, MumpsInstance> factors;
+  for (;;) {
+    const Order order = service_->await();
+    switch (order.task) {
+      case Task::make_factor:
+        factors.try_emplace(order.object, service_->ranks());
+        break;
+      case Task::run_factor:
+        factors.at(order.object).run(static_cast<MumpsJob>(order.argument));
+        break;
+      case Task::free_factor:
+        factors.erase(order.object);
+        break;
+      case Task::finish:
+        return;
+    }
+  }
+}
+
+void Ranks::abandon(int code) const {
+  MPI_Abort(MPI_COMM_WORLD, code);
+  std::abort();
+}
+
+}  // namespace kalfem::distributed

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <functional>
+#include <memory>
+
+#include "kalfem/linalg/lower_triangle.hpp"
+#include "kalfem/linalg/sparse_factor.hpp"
+
+namespace kalfem {
+
+/// A pivot below this part of its diagonal entry counts as zero, see SparseFactor.
+inline constexpr double zero_pivot = 1e-13;
+
+/// The library that factors behind SparseFactor. It is made for a pattern, which it analyses, and factors matrices of
+/// this pattern. One thread at a time.
+class FactorWorkspace {
+public:
+  virtual ~FactorWorkspace() = default;
+
+  /// Throws NotPositiveDefinite, after which only another factorize() makes sense.
+  virtual void factorize(const LowerTriangle& matrix) = 0;
+  /// X = A^-1 B, n x k, k > 0; X and B may be the same.
+  virtual void solve(const Eigen::Ref<const Eigen::MatrixXd>& right_side, Eigen::Ref<Eigen::MatrixXd> solution) = 0;
+
+  [[nodiscard]] virtual EliminationOrder order() const = 0;
+  [[nodiscard]] virtual double nonzeros() const = 0;        ///< entries of the factor
+  [[nodiscard]] virtual double bytes() const = 0;           ///< memory of the factor [byte]
+  [[nodiscard]] virtual double smallest_pivot() const = 0;  ///< relative to its diagonal entry
+};
+
+/// Makes the workspace for a pattern; `order` may be empty. It may answer nothing: CHOLMOD then factors.
+using FactorMaker = std::function<std::unique_ptr<FactorWorkspace>(const LowerTriangle&, const EliminationOrder&)>;
+
+/// From now on `maker` is asked first, in the whole process; an empty one: CHOLMOD factors everything, as at the start.
+/// To be called while no other thread factors. Returns the one before.
+FactorMaker use_factor_maker(FactorMaker maker);
+
+/// By the maker in use, otherwise by CHOLMOD.
+std::unique_ptr<FactorWorkspace> make_factor_workspace(const LowerTriangle& pattern, const EliminationOrder& order);
+
+}  // namespace kalfem

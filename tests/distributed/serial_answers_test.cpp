@@ -1,0 +1,69 @@
+#include <gtest/gtest.h>
+
+#include "kalfem/linalg/factor_workspace.hpp"
+#include "kalfem/linalg/lowest_modes.hpp"
+#include "kalfem/reduction/superelement.hpp"
+#include "reduction/lattice.hpp"
+
+namespace kalfem {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// What `work` gives without the other ranks.
+template <class Work>
+auto on_one_rank(const Work& work) {
+  auto maker = use_factor_maker({});
+  auto result = work();
+  use_factor_maker(std::move(maker));
+  return result;
+}
+
+MatrixXd with_signs_of(const MatrixXd& reference, MatrixXd columns) {
+  for (Index j = 0; j < columns.cols(); ++j)
+    if (columns.col(j).dot(reference.col(j)) < 0.0) columns.col(j) *= -1.0;
+  return columns;
+}
+
+double largest_relative_difference(const VectorXd& a, const VectorXd& b) {
+  return (a - b).cwiseQuotient(b).cwiseAbs().maxCoeff();
+}
+
+const LinearModel membrane = lattice::model({.columns = 80, .rows = 45, .support = 50.0});
+
+TEST(SerialAnswers, AreThoseOfTheModes) {
+  const auto modes = [] { return lowest_modes(membrane.stiffness, membrane.mass, {.count = 30}); };
+  const LowestModes serial = on_one_rank(modes), distributed = modes();
+  EXPECT_LT(largest_relative_difference(distributed.values, serial.values), 2e-9);  // 1e-9 of the frequencies
+  EXPECT_LT((with_signs_of(serial.vectors, distributed.vectors) - serial.vectors).norm(), 1e-6 * serial.vectors.norm());
+}
+
+TEST(SerialAnswers, AreThoseOfAFreeStructure) {
+  const LinearModel free = lattice::beam(60);
+  const auto modes = [&] { return lowest_modes(free.stiffness, free.mass, {.count = 12}); };
+  const LowestModes serial = on_one_rank(modes), distributed = modes();
+  EXPECT_EQ(distributed.values.head(2), VectorXd::Zero(2));
+  EXPECT_LT(largest_relative_difference(distributed.values.tail(10), serial.values.tail(10)), 2e-9);
+}
+
+TEST(SerialAnswers, AreThoseOfTheSuperelement) {
+  const auto boundary = lattice::edge(79, 45);
+  const auto reduce = [&] { return craig_bampton(membrane, boundary, {.modes = {.count = 25}}); };
+  const Superelement serial = on_one_rank(reduce), distributed = reduce();
+  const MatrixXd basis = with_signs_of(serial.basis, distributed.basis);
+  EXPECT_LT((basis - serial.basis).norm(), 1e-8 * serial.basis.norm());
+  const auto in_serial_signs = [&](const SparseMatrix& matrix) -> MatrixXd {
+    const VectorXd signs = basis.cwiseProduct(distributed.basis).colwise().sum().cwiseSign();
+    return signs.asDiagonal() * MatrixXd(matrix) * signs.asDiagonal();
+  };
+  for (const auto matrix : {&LinearModel::stiffness, &LinearModel::mass, &LinearModel::damping}) {
+    const MatrixXd expected(serial.model.*matrix);
+    EXPECT_LT((in_serial_signs(distributed.model.*matrix) - expected).norm(), 1e-8 * expected.norm());
+  }
+  EXPECT_EQ(distributed.error_indicators.order, serial.error_indicators.order);
+}
+
+}  // namespace
+}  // namespace kalfem
