@@ -72,7 +72,8 @@ Matrix6 RigidMassSum::of(const std::vector<NodalDof>& dofs, const Eigen::SparseM
   RigidRows rows = RigidRows::Zero(mass.rows(), 6);
   for (std::size_t i = 0; i < dofs.size(); ++i)
     if (!is_scalar_[static_cast<std::size_t>(dofs[i].node)])
-      rows.row(static_cast<Index>(i)) = rigid_row(dofs[i].direction, mesh_.nodes.col(dofs[i].node));
+      rows.row(static_cast<Index>(i)) =
+          rigid_row(dofs[i].direction, mesh_.nodes.col(dofs[i].node), mesh_.axes_of(dofs[i].node));
   return rows.transpose() * (mass * rows);
 }
 
