@@ -105,6 +105,9 @@ std::shared_ptr<const StiffnessFactor> checked_factor(const FiniteElementPart& p
 void assemble_part(FiniteElementPart& part, const AssemblyOptions& options) {
   require_connected(part.elements);
   part.assembled = assemble(part.elements, options);
+  if (part.assembled.size() == 0)
+    throw InvalidInput("nothing of substructure '" + part.name + "' can move",
+                       "its supports hold every node that elements, springs or masses act on", "hold fewer nodes");
   if (part.preload_stiffness.size() > 0) add_preload(part.preload_stiffness, part.assembled);
   part.factor = checked_factor(part);
   part.mass = mass_properties(part.assembled);

@@ -394,7 +394,9 @@ private:
     for (const auto& [name, link] : fe_.links) {
       const Index master = find_node(link.master.value, link.master.location, link.master.path);
       auto slaves = node_group(link.nodes);
-      std::erase(slaves, master);
+      if (std::erase(slaves, master) > 0 && slaves.empty())
+        issues_.add(link.nodes.location, link.nodes.path + ": '" + link.nodes.value + "' holds the master alone",
+                    "a node cannot follow itself", "name a group of other nodes");
       if (master >= 0 && !slaves.empty()) model_.links.push_back({name, master, slaves, chosen(link.directions)});
     }
     for (const auto& [name, fixed] : fe_.fixed)
