@@ -115,6 +115,13 @@ TEST_F(JoinedPlate, HasTheFrequenciesOfTheWholeWhenBothPartsAreReduced) {
   EXPECT_LE(relative_error(frequencies_of(reduced, count), expected.head(count)).maxCoeff(), 1e-3);
 }
 
+TEST_F(JoinedPlate, TellsTheFrequenciesOfTheWhole) {
+  const auto joint = results_of(joined(), Step::modes), reference = results_of(whole(), Step::modes);
+  EXPECT_EQ(reference.joined_frequencies.size(), 0);
+  ASSERT_EQ(joint.joined_frequencies.size(), reference.modes[0].frequencies.size());
+  EXPECT_LE(relative_error(joint.joined_frequencies, reference.modes[0].frequencies).maxCoeff(), 1e-3);
+}
+
 /// A force at the free corner, and what the corner does: the same with one mesh and with two.
 TEST_F(JoinedPlate, MovesAsTheWhole) {
   const std::string driven =
