@@ -28,12 +28,6 @@ bool is_whole(const WeightedLink& link) {
   return is_whole(link.tied) &&
          std::ranges::all_of(link.shares, [](const auto& share) { return is_whole(share.directions); });
 }
-bool is_whole(const NodalMatrices& matrices) {
-  std::map<Index, Directions> directions;
-  for (const auto& [node, direction] : matrices.dofs)
-    directions.try_emplace(node, Directions{}).first->second[static_cast<std::size_t>(direction)] = true;
-  return std::ranges::all_of(directions, [](const auto& each) { return is_whole(each.second); });
-}
 
 /// What a link ties a degree of freedom to, as a constraint.
 MultiPointConstraint constraint_of(const auto& link, const Mesh& mesh, const NodalDof& dof, const DofSum& motion) {
@@ -66,25 +60,18 @@ void write_as_constraints(std::vector<Link>& links, const Mesh& mesh, std::vecto
   std::erase_if(links, [](const Link& link) { return !is_whole(link); });
 }
 
-/// The same constraint, solved for the motions q of the local node: q - axes^T u = 0.
-std::vector<MultiPointConstraint> reversed_local_motions(const Mesh& mesh, Index node, Index local) {
-  const Matrix3d axes = mesh.axes_of(local);
-  std::vector<MultiPointConstraint> constraints;
-  for (int direction = 0; direction < 6; ++direction) {
-    const NodalDof dof{local, direction};
-    MultiPointConstraint constraint{"axes." + dof_name(mesh, dof), {{dof, 1.0}}};
-    for (int along = 0; along < 3; ++along)
-      if (const double share = axes(along, direction % 3); share != 0.0)
-        constraint.terms.push_back({{node, direction / 3 * 3 + along}, -share});
-    constraints.push_back(std::move(constraint));
-  }
-  return constraints;
+/// dof - shares . (translations or rotations of the leader) = 0.
+MultiPointConstraint following(const Mesh& mesh, const NodalDof& dof, Index leader, const Vector3d& shares) {
+  MultiPointConstraint constraint{"axes." + dof_name(mesh, dof), {{dof, 1.0}}};
+  for (int along = 0; along < 3; ++along)
+    if (shares[along] != 0.0) constraint.terms.push_back({{leader, dof.direction / 3 * 3 + along}, -shares[along]});
+  return constraint;
 }
 
 // The steps, in this order:
 //   1. links that tie single directions become constraints;
 //   2. nodes that something names by single directions get a local node, to which these names are moved. The node's own
-//      motions follow from those of the local node; where links lead the node, it is the other way round;
+//      motions follow from those of the local node; where links lead them, it is the other way round;
 //   3. vectors and tensors in global axes are turned, and places are moved.
 class Placer {
 public:
@@ -104,7 +91,7 @@ public:
       for (auto& mass : model_.masses) turn(mass);
       for (auto& joint : model_.joints) joint.deformation = turned(joint.deformation);
       for (auto& matrices : model_.matrices)
-        if (is_whole(matrices)) turn(matrices);
+        if (hold_whole_nodes(matrices)) turn(matrices);
     }
     for (auto place : model_.mesh.nodes.colwise()) place = placement_.at(place);
     for (auto& load_case : load_cases_) turn(load_case);
@@ -122,7 +109,7 @@ private:
     for (auto& constraint : model_.constraints)
       for (auto& [dof, coefficient] : constraint.terms) visit(dof.node);
     for (auto& matrices : model_.matrices)
-      if (!is_whole(matrices))
+      if (!hold_whole_nodes(matrices))
         for (auto& dof : matrices.dofs) visit(dof.node);
     for (auto& load_case : load_cases_)
       for (auto& motion : load_case.imposed) visit(motion.dof.node);
@@ -140,19 +127,34 @@ private:
     visit_single_directions(move);
     for (auto& support : model_.fixed)
       if (is_whole(support.directions)) std::ranges::for_each(support.nodes, move);
-    const auto led = dependent_nodes();
+    const auto led = dofs_led_by_links();
     for (const auto& [node, own] : local)
-      std::ranges::move(
-          led.contains(node) ? reversed_local_motions(model_.mesh, node, own) : local_motions(model_.mesh, node, own),
-          std::back_inserter(model_.constraints));
+      for (int direction = 0; direction < 6; ++direction)
+        model_.constraints.push_back(
+            led.contains({node, direction})
+                ? following(model_.mesh, {own, direction}, node, turn_.col(direction % 3))
+                : following(model_.mesh, {node, direction}, own, turn_.row(direction % 3).transpose()));
   }
 
-  /// Nodes that follow others by links.
-  [[nodiscard]] std::set<Index> dependent_nodes() const {
-    std::set<Index> nodes;
-    for (const auto& link : model_.links) nodes.insert(link.slaves.begin(), link.slaves.end());
-    for (const auto& link : model_.weighted_links) nodes.insert(link.follower);
-    return nodes;
+  [[nodiscard]] std::set<NodalDof> dofs_led_by_links() const {
+    std::set<NodalDof> dofs;
+    const auto add = [&](Index node, const Directions& tied) {
+      for (int direction = 0; direction < 6; ++direction)
+        if (tied[static_cast<std::size_t>(direction)]) dofs.insert({node, direction});
+    };
+    for (const auto& link : model_.links)
+      for (const Index slave : link.slaves) add(slave, link.tied);
+    for (const auto& link : model_.weighted_links) add(link.follower, link.tied);
+    return dofs;
+  }
+
+  /// Whether a turn mixes the matrices' own degrees of freedom only. Scalar points have none that it would mix.
+  [[nodiscard]] bool hold_whole_nodes(const NodalMatrices& matrices) const {
+    std::map<Index, Directions> directions;
+    for (const auto& [node, direction] : matrices.dofs)
+      if (!scalars_.contains(node))
+        directions.try_emplace(node, Directions{}).first->second[static_cast<std::size_t>(direction)] = true;
+    return std::ranges::all_of(directions, [](const auto& each) { return is_whole(each.second); });
   }
 
   void turn(ShellProperty& /*the same in all directions*/) const {}
@@ -249,14 +251,8 @@ Index add_local_node(Mesh& mesh, Index node, const Matrix3d& axes) {
 std::vector<MultiPointConstraint> local_motions(const Mesh& mesh, Index node, Index local) {
   const Matrix3d axes = mesh.axes_of(local);
   std::vector<MultiPointConstraint> constraints;
-  for (int direction = 0; direction < 6; ++direction) {
-    const NodalDof dof{node, direction};
-    MultiPointConstraint constraint{"axes." + dof_name(mesh, dof), {{dof, 1.0}}};
-    for (int along = 0; along < 3; ++along)
-      if (const double share = axes(direction % 3, along); share != 0.0)
-        constraint.terms.push_back({{local, direction / 3 * 3 + along}, -share});
-    constraints.push_back(std::move(constraint));
-  }
+  for (int direction = 0; direction < 6; ++direction)
+    constraints.push_back(following(mesh, {node, direction}, local, axes.row(direction % 3).transpose()));
   return constraints;
 }
 
