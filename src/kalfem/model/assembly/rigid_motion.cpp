@@ -37,7 +37,7 @@ DofSum slave_motion(Eigen::Index master, int direction, const Eigen::Vector3d& a
 
 RigidRow rigid_motion(const PlacedDof& dof, const RigidFrame& frame) {
   if (dof.direction < 0) return RigidRow::Zero();
-  RigidRow row = rigid_row(dof.direction, dof.place - frame.centre);
+  RigidRow row = rigid_row(dof.direction, dof.place - frame.centre, dof.axes);
   row.tail<3>() /= frame.radius;
   return row;
 }
