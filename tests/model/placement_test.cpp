@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "kalfem/model/checks/model_check.hpp"
 #include "kalfem/model/mesh/laminate_theory.hpp"
 #include "kalfem/model/statics/statics.hpp"
 #include "model/beam_models.hpp"
@@ -166,6 +167,14 @@ TEST(Placement, RollerOnASlopeHoldsAcrossIt) {
   const Vector3d expected = 0.5 * force * std::sqrt(0.75) * across;
   EXPECT_LT((reaction(solution, "roller").sum.force - expected).norm(), 1e-9 * force);
   EXPECT_LT(solution.imbalance, 1e-9);
+}
+
+TEST(Placement, IsNoFindingOfTheModelCheck) {
+  const auto count = [](const FiniteElementModel& model) {
+    const auto report = check_model(model, assemble(model));
+    return std::pair(report.count(FindingSeverity::error), report.count(FindingSeverity::warning));
+  };
+  EXPECT_EQ(count(placed(directions())), count(directions()));
 }
 
 TEST(Placement, WithoutATurnAddsNothing) {
