@@ -152,9 +152,10 @@ private:
     if (refused_) return;  // one message tells of all nodes of the joint
     refused_ = true;
     const Side& side = first_differs ? first_ : second_;
-    const char* reason = worse == Mobility::held             ? "a support holds it there"
-                         : worse == Mobility::follows_others ? "a link or constraint lets it follow other nodes"
-                                                             : "no element, spring or mass touches it";
+    const char* reason = worse == Mobility::held ? "a support holds it there"
+                         : worse == Mobility::follows_others
+                             ? "a link or constraint lets it follow other nodes"
+                             : "no element, spring or mass touches it, or what it follows is held";
     issues.add(first_.name.location,
                first_.name.path + ": " + first_.title_of(one.node) + " of '" + first_.name.value +
                    "' and its partner cannot move alike along " +
