@@ -120,6 +120,9 @@ void assemble_part(FiniteElementPart& part, AssemblyOptions options) {
   part.times.measure("assemble", [&] {
     require_connected(part.elements);
     part.assembled = assemble(part.elements, options);
+    if (part.assembled.size() == 0)
+      throw InvalidInput("nothing of substructure '" + part.name + "' can move",
+                         "its supports hold every node that elements, springs or masses act on", "hold fewer nodes");
     if (part.preload_stiffness.size() > 0) add_preload(part.preload_stiffness, part.assembled);
     stiffness = sum_of(part.assembled.stiffness, part.assembled, constant);
     mass = sum_of(part.assembled.mass, part.assembled, constant);

@@ -170,8 +170,11 @@ void take_steps(const Study& study, Step last, const RunOptions& options, StudyR
   };
   const bool updates = takes(Step::update, last) && study.updating;
   const bool without_modes = last == Step::statics || last == Step::frequency_response;
-  results.modes = results.phases.measure(
-      "modes", [&] { return substructure_modes(study, without_modes ? 0 : study.report.modes); });
+  results.phases.measure("modes", [&] {
+    const Eigen::Index count = without_modes ? 0 : study.report.modes;
+    results.modes = substructure_modes(study, count);
+    results.joined_frequencies = joined_frequencies(study, count, results.warnings);
+  });
   if (takes(Step::statics, last) && study.statics) results.statics = run_statics(*study.statics, results.warnings);
   if (takes(Step::frequency_response, last) && study.frequency_response)
     results.frequency_response = results.phases.measure("frequency_response", [&] {

@@ -150,6 +150,8 @@ struct UpdatingOutcome {
 /// The results of a run; steps that did not run are empty.
 struct StudyResults {
   std::vector<SubstructureModes> modes;
+  Eigen::VectorXd
+      joined_frequencies;  ///< of all parts together, where joints unite some [Hz], see joined_frequencies()
   std::vector<FieldSeries> fields;
   std::optional<SimulationOutcome> simulation;
   std::optional<EstimationOutcome> estimation;

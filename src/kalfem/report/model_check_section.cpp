@@ -52,7 +52,7 @@ std::vector<PlacedDof> places_of(const FiniteElementPart& part) {
   std::vector<PlacedDof> places;
   for (const auto& [node, direction] : part.assembled.dofs) {
     const bool is_scalar = scalars != mesh.node_sets.end() && std::ranges::count(scalars->second, node) > 0;
-    places.push_back({mesh.nodes.col(node), is_scalar ? -1 : direction});
+    places.push_back({mesh.nodes.col(node), is_scalar ? -1 : direction, mesh.axes_of(node)});
   }
   return places;
 }

@@ -90,11 +90,13 @@ Json model_summary(const Study& study, const StudyResults& results) {
   }
   for (const auto& elements : study.structure->finite_elements)
     if (elements.reduced) parts[elements.part->name]["reduction"] = reduction_summary(*elements.reduced);
-  return {{"dofs", dofs},
-          {"reduced_dofs",
-           study.augmented_model ? study.augmented_model->model->system().size() : study.model->system().size()},
-          {"connectors", study.model->system().connector_count()},
-          {"substructures", parts}};
+  Json model = {{"dofs", dofs},
+                {"reduced_dofs",
+                 study.augmented_model ? study.augmented_model->model->system().size() : study.model->system().size()},
+                {"connectors", study.model->system().connector_count()},
+                {"substructures", parts}};
+  if (results.joined_frequencies.size() > 0) model["joined_frequencies_hz"] = numbers(results.joined_frequencies);
+  return model;
 }
 
 void add_likelihood_unknowns(const LikelihoodEstimate& likelihood, Json& parameters) {

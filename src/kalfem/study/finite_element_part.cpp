@@ -256,6 +256,9 @@ DescribedPart make_finite_element_part(const std::string& name, const d::Substru
   }
   for (const auto& finding : {units_finding(part.elements), coincident_elements_finding(part.elements)})
     if (finding) described.warnings.push_back(finding->what + ": " + finding->why + "; " + finding->fix);
+  if (part.full.mass.norm() == 0.0 && uses.statics == nullptr)
+    described.warnings.push_back("'" + name +
+                                 "' has no mass, and so no natural frequencies; give its materials a density");
   IssueList issues;
   BoundaryMaker maker(described);
   for (const auto& place : boundary) maker.add(place, is_given, issues);

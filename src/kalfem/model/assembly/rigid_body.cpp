@@ -18,11 +18,12 @@ std::vector<Eigen::Index> nodes_of_set(const Mesh& mesh, const std::string& name
 
 }  // namespace
 
-Eigen::MatrixXd rigid_body_modes(const FiniteElementModel& model, const AssembledModel& assembled) {
+Eigen::MatrixXd rigid_body_modes(const FiniteElementModel& model, const AssembledModel& assembled,
+                                 const Eigen::Vector3d& centre) {
   Eigen::MatrixXd modes(assembled.size(), 6);
   for (Eigen::Index i = 0; i < assembled.size(); ++i) {
     const auto& [node, direction] = assembled.dofs[static_cast<std::size_t>(i)];
-    modes.row(i) = rigid_row(direction, model.mesh.nodes.col(node));
+    modes.row(i) = rigid_row(direction, model.mesh.nodes.col(node) - centre, model.mesh.axes_of(node));
   }
   for (const auto node : nodes_of_set(model.mesh, scalar_points))
     if (const auto place = assembled.find({node, 0}); place >= 0) modes.row(place).setZero();

@@ -22,9 +22,10 @@ MassProperties mass_properties(const AssembledModel& assembled);
 /// carried by held degrees of freedom.
 Eigen::Vector3d moving_mass(const FiniteElementModel& model, const AssembledModel& assembled, const SparseMatrix& mass);
 
-/// Rigid-body motion of the free degrees of freedom about the origin: translations along x, y, z [m/m], rotations about
-/// x, y, z [m/rad, rad/rad]; n x 6.
-Eigen::MatrixXd rigid_body_modes(const FiniteElementModel& model, const AssembledModel& assembled);
+/// Rigid-body motion of the free degrees of freedom: translations along x, y, z [m/m], rotations about x, y, z through
+/// `centre` [m/rad, rad/rad]; n x 6.
+Eigen::MatrixXd rigid_body_modes(const FiniteElementModel& model, const AssembledModel& assembled,
+                                 const Eigen::Vector3d& centre = Eigen::Vector3d::Zero());
 
 /// Motions without strain other than the rigid-body motions of the whole: hinges, rotations that nothing holds, parts
 /// that hang on nothing. One degree of freedom for each, named "n17.rx": holding all of them leaves no mechanism.

@@ -164,7 +164,8 @@ constexpr double follows_rigidly = 1e-6;  ///< of the size of the motion
 std::vector<PlacedDof> placed(const FiniteElementModel& model, const std::vector<NodalDof>& dofs) {
   std::vector<PlacedDof> list;
   list.reserve(dofs.size());
-  for (const auto& dof : dofs) list.push_back({model.mesh.nodes.col(dof.node), dof.direction});
+  for (const auto& dof : dofs)
+    list.push_back({model.mesh.nodes.col(dof.node), dof.direction, model.mesh.axes_of(dof.node)});
   return list;
 }
 
@@ -194,7 +195,8 @@ std::vector<bool> nodes_that_stay(const FiniteElementModel& model, const Assembl
   for (std::size_t i = 0; i < named.size(); ++i) {
     const auto row = static_cast<Index>(i);
     if (!named[i]) continue;
-    const auto rigid = rigid_motion({model.mesh.nodes.col(row / 6), static_cast<int>(row % 6)}, frame);
+    const auto rigid =
+        rigid_motion({model.mesh.nodes.col(row / 6), static_cast<int>(row % 6), model.mesh.axes_of(row / 6)}, frame);
     if ((moved.row(row) - rigid).cwiseAbs().maxCoeff() > follows_rigidly) stays[i / 6] = true;
   }
   for (const auto& link : model.links)
