@@ -12,6 +12,7 @@
 #include "kalfem/system/signals/deterministic.hpp"
 #include "kalfem/system/signals/ground_motion.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
+#include "kalfem/system/signals/remembered.hpp"
 #include "kalfem/system/signals/sampled.hpp"
 #include "kalfem/yaml/bounds.hpp"
 
@@ -351,7 +352,7 @@ std::vector<SignalPtr> make_signals(const description::Case& given, const std::v
   std::vector<SignalPtr> signals;
   for (const auto& input : inputs) {
     try {
-      signals.push_back(signal_of(all, input.name, is_integrated(given, input)));
+      signals.push_back(remembered(signal_of(all, input.name, is_integrated(given, input))));
     } catch (const InvalidInput& error) {
       const auto known = location_of(given, input.name);
       IssueList placed;
