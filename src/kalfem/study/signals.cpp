@@ -12,6 +12,7 @@
 #include "kalfem/system/signals/deterministic.hpp"
 #include "kalfem/system/signals/ground_motion.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
+#include "kalfem/system/signals/remembered.hpp"
 #include "kalfem/system/signals/sampled.hpp"
 #include "kalfem/yaml/bounds.hpp"
 
@@ -344,7 +345,7 @@ std::vector<SignalPtr> make_signals(const description::Case& given, double durat
   std::vector<SignalPtr> signals;
   for (const auto& [name, excitation] : given.excitation) {
     try {
-      signals.push_back(signal_of(all, name, accelerates_grounds(given, excitation)));
+      signals.push_back(remembered(signal_of(all, name, accelerates_grounds(given, excitation))));
     } catch (const InvalidInput& error) {
       const auto known = location_of(given, name);
       IssueList placed;
