@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/base/phase_times.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/report/page.hpp"
 
 namespace kalfem {
