@@ -22,7 +22,7 @@ cholmod_sparse sparse_view(const LowerTriangle& matrix) {
   view.p = const_cast<std::int64_t*>(matrix.starts.data());
   view.i = const_cast<std::int64_t*>(matrix.rows.data());
   view.x = const_cast<double*>(matrix.values.data());
-  view.stype = -1;
+  view.stype = 1;
   view.itype = CHOLMOD_LONG;
   view.xtype = CHOLMOD_REAL;
   view.dtype = CHOLMOD_DOUBLE;

@@ -9,8 +9,8 @@
 
 namespace kalfem {
 
-/// The lower triangle of a symmetric matrix by columns, with 64-bit indices: those of its factor may exceed 32 bits
-/// where its own do not. `springs`, n x 1, are added to the diagonal, where they are given.
+/// The upper triangle of a symmetric matrix by columns, which CHOLMOD turns into its own form with one copy. With
+/// 64-bit indices: those of the factor may exceed 32 bits where the matrix's own do not. `springs`, n x 1, are added to the diagonal, where they are given.
 struct LowerTriangle {
   explicit LowerTriangle(const Eigen::SparseMatrix<double>& matrix, const Eigen::VectorXd& springs = {})
       : size(matrix.rows()), diagonal(matrix.diagonal()) {
@@ -20,7 +20,7 @@ struct LowerTriangle {
     values.reserve(rows.capacity());                                           // refuses null pointers
     for (Eigen::Index column = 0; column < size; ++column) {
       for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, column); it; ++it)
-        if (it.row() >= column) {
+        if (it.row() <= column) {
           rows.push_back(it.row());
           values.push_back(it.row() == column ? diagonal[column] : it.value());
         }
