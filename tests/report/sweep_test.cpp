@@ -15,7 +15,7 @@ namespace {
 class SweepByNumbers : public testing::Test {
 protected:
   [[nodiscard]] SweepPlan plan() const {
-    return {.case_file = file_, .axes = {{"simulate.duration", {"0.5s", "-1s", "0.4s"}}}, .seeds = 2};
+    return {.case_file = file_, .axes = {{"simulate.duration", {"0.5s", "-1s", "0.6s"}}}, .seeds = 2};
   }
 
   ScratchFolder folder_{"sweep-by-numbers"};
