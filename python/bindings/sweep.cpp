@@ -91,8 +91,7 @@ void bind_sweep(py::module_& module) {
            py::arg("folder"), py::arg("sweep"))
       .def_property_readonly("known", &known_runs, "Numbers and lines of the runs of an earlier sweep.")
       .def(
-          "add", [](SweepFolder& self, const std::string& line) { self.add(runs_of({line}).front()); },
-          py::arg("line"))
+          "add", [](SweepFolder& self, const std::string& line) { self.add(runs_of({line}).front()); }, py::arg("line"))
       .def(
           "finish",
           [](SweepFolder& self, const std::vector<std::string>& lines) { self.finish(finished_runs(runs_of(lines))); },

@@ -203,7 +203,7 @@ def test_any_executor_makes_a_lost_share_again(case):
 def test_a_worker_with_another_case_is_refused(case):
     plan = sweeping._Plan(str(case), (), (), 2)
     with pytest.raises(kf.InvalidInput, match="a worker finds another sweep"):
-        sweeping.make_runs(sweeping._Share(plan, "0123456789abcdef"), [0])
+        sweeping.make_runs(sweeping._Task(plan, "0123456789abcdef"), [0])
 
 
 def test_an_exception_of_the_progress_stops_the_sweep(case):
@@ -224,7 +224,7 @@ def test_an_exception_of_the_progress_stops_the_sweep(case):
         ({"grid": {"simulate.duration": []}}, "gives 'simulate.duration' no values"),
         ({"grid": {"simulate.duraton": ["1 s"]}}, "duraton"),
         ({"grid": [{"simulate.duration": "1 s"}]}, "must be a dictionary of sequences"),
-        ({"grid": {"estimate.settle": ["0.1 s"]}, "set": {"estimate.settle": "0.2 s"}}, "gives 'estimate.settle' twice"),
+        ({"grid": {"estimate.settle": ["0.1 s"]}, "set": {"estimate.settle": "0.2 s"}}, "'estimate.settle' twice"),
         ({"seeds": 0}, "seeds is 0: must be a whole number from 1"),
         ({"seeds": -2}, "seeds is -2"),
         ({"seeds": 2.5}, "seeds is 2.5"),
