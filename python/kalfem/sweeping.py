@@ -74,9 +74,10 @@ def sweep(
     opened = core.Sweep(*plan)
     files = None if folder is None else core.SweepFolder(os.fspath(folder), opened)
     lines = dict(files.known) if files else {}
-    share = _Share(plan, opened.identity)
-    with reporter(progress) as report, _kept(share, opened):
-        for number, line in _made(share, [i for i in range(len(opened)) if i not in lines], executor):
+    task = _Task(plan, opened.identity)
+    missing = [number for number in range(len(opened)) if number not in lines]
+    with reporter(progress) as report, _kept(task, opened):
+        for number, line in _made(task, missing, executor, opened.stop):
             lines[number] = line
             if files:
                 files.add(line)
@@ -153,86 +154,85 @@ def _count(seeds):
     return int(seeds)
 
 
-class _Share(NamedTuple):
+class _Task(NamedTuple):
     """What a worker needs to make any run of a sweep."""
 
     plan: _Plan
     identity: str
 
 
-_opened: dict[_Share, Any] = {}  # sweeps of this process, shared by its threads
+_opened: dict[_Task, Any] = {}  # sweeps of this process, shared by its threads
 _opening = threading.Lock()
 
 
 @contextlib.contextmanager
-def _kept(share, opened):
+def _kept(task, opened):
     """While it lasts, threads of this process find the sweep as it was opened."""
-    _opened[share] = opened
+    _opened[task] = opened
     try:
         yield
     finally:
-        del _opened[share]
+        _opened.pop(task, None)
 
 
-def _open(share):
+def _open(task):
     with _opening:
-        if share not in _opened:
-            found = core.Sweep(*share.plan)
-            if found.identity != share.identity:
-                why = "its case, its data or its version of kalfem are not those of the process that shares the runs out"
-                raise InvalidInput(Issue(f"a worker finds another sweep in '{share.plan.case}'", why))
+        if task not in _opened:
+            found = core.Sweep(*task.plan)
+            if found.identity != task.identity:
+                why = "its case, its data or its version of kalfem are not those of who shares the runs out"
+                raise InvalidInput(Issue(f"a worker finds another sweep in '{task.plan.case}'", why))
             _opened.clear()  # a worker keeps the last one
-            _opened[share] = found
-        return _opened[share]
+            _opened[task] = found
+        return _opened[task]
 
 
-def make_runs(share: _Share, numbers: Sequence[int]) -> list[str]:
+def make_runs(task: _Task, numbers: Sequence[int]) -> list[str]:
     """Runs as lines of ``runs.jsonl``: what a worker does."""
-    opened = _open(share)
+    opened = _open(task)
     return [opened.run_one(number) for number in numbers]
 
 
-def _made(share, numbers, executor):
-    """(number, line) of each run as they are finished."""
+def _made(task, numbers, executor, stop):
+    """(number, line) of each run as they are finished. `stop` ends those that threads of this process make."""
     from concurrent.futures import ThreadPoolExecutor  # here: importing the package stays quick
 
     if executor is None:
         with ThreadPoolExecutor(os.cpu_count()) as threads:
-            yield from _made(share, numbers, threads)
+            yield from _made(task, numbers, threads, stop)
         return
-    lost, _ = yield from _shared_out(share, numbers, executor)
+    lost, _ = yield from _shared_out(task, numbers, executor, stop)
     if not lost:
         return
     with _renewed(executor) as again:
-        lost, error = yield from _shared_out(share, lost, again)
+        lost, error = yield from _shared_out(task, lost, again, stop)
     if lost:
         where = f"run {lost[0]}" + (f" and {len(lost) - 1} others" if len(lost) > 1 else "")
-        raise RuntimeError(f"workers died twice with {where} to make: {error or type(error).__name__}") from error
+        raise RuntimeError(f"workers died twice with {where} to make: {str(error) or type(error).__name__}") from error
 
 
-def _shared_out(share, numbers, executor):
+def _shared_out(task, numbers, executor, stop):
     """The same; returns the numbers that dead workers left, and what the last one died of."""
     from concurrent.futures import BrokenExecutor, as_completed
 
     size = share_size(len(numbers), executor)
-    shares = [numbers[i : i + size] for i in range(0, len(numbers), size)]
     lost, death, waiting = [], None, {}
     try:
-        for each in shares:
+        for share in (numbers[i : i + size] for i in range(0, len(numbers), size)):
             try:
-                waiting[executor.submit(make_runs, share, each)] = each
+                waiting[executor.submit(make_runs, task, share)] = share
             except BrokenExecutor as error:
-                lost, death = lost + each, error
-        for future in as_completed(waiting):
-            error = future.exception()
+                lost, death = lost + share, error
+        for future in as_completed(list(waiting)):
+            share, error = waiting.pop(future), future.exception()
             if isinstance(error, InvalidInput):
                 raise error
             if error:
-                lost, death = lost + waiting[future], error
+                lost, death = lost + share, error
             else:
-                yield from zip(waiting[future], future.result())
+                yield from zip(share, future.result())
     except BaseException:
-        _opened[share].stop()  # of this process: threads would finish their runs before anybody hears of it
+        stop()  # otherwise threads finish their runs before anybody hears of it
         raise
     finally:
         for future in waiting:

@@ -71,8 +71,8 @@ def test_the_bits_are_those_of_the_command(case, tmp_path, executor):
 
 
 def test_a_run_is_that_of_run(case):
-    found = quiet_sweep(case, GRID, seeds=2, set={"simulate.duration": "0.4 s"})
-    alone = kf.run(case, set={NOISE: 0.1, "simulate.seed": 2, "simulate.duration": "0.4 s"}, progress=False)
+    found = quiet_sweep(case, GRID, seeds=2, set={"simulate.duration": "0.6 s"})
+    alone = kf.run(case, set={NOISE: 0.1, "simulate.seed": 2, "simulate.duration": "0.6 s"}, progress=False)
     assert found["parameters/suspension.k/estimate"][3] == alone.parameters["suspension.k"].value
     assert found.summaries[3]["parameters"] == alone.summary["parameters"]
     assert found.summaries[3]["verdict"] == alone.summary["verdict"]
@@ -115,7 +115,7 @@ def test_a_combination_that_cannot_be_run_says_why(case, executor):
 def test_a_killed_command_goes_on_here(case, tmp_path):
     folder, whole = tmp_path / "out", tmp_path / "whole"
     killed = subprocess.Popen(
-        command(case, "--seeds", "400", "--threads", "1", "--out", str(folder)), stdout=subprocess.DEVNULL
+        command(case, "--seeds", "150", "--threads", "1", "--out", str(folder)), stdout=subprocess.DEVNULL
     )
     log = folder / "runs.jsonl"
     while not log.exists() or log.read_bytes().count(b"\n") < 4:
@@ -124,11 +124,11 @@ def test_a_killed_command_goes_on_here(case, tmp_path):
     killed.send_signal(signal.SIGKILL)
     killed.wait()
     known = log.read_bytes().count(b"\n") - 1
-    assert 3 <= known < 400
+    assert 3 <= known < 150
     words = []
-    kf.sweep(case, seeds=400, folder=folder, progress=lambda fraction, text: words.append(text))
-    assert len(words) == 400 - known and words[-1] == "run 400 of 400"
-    quiet_sweep(case, seeds=400, folder=whole)
+    kf.sweep(case, seeds=150, folder=folder, progress=lambda fraction, text: words.append(text))
+    assert len(words) == 150 - known and words[-1] == "run 150 of 150"
+    quiet_sweep(case, seeds=150, folder=whole)
     for name in FILES:
         assert (folder / name).read_bytes() == (whole / name).read_bytes()
 
@@ -203,7 +203,7 @@ def test_any_executor_makes_a_lost_share_again(case):
 def test_a_worker_with_another_case_is_refused(case):
     plan = sweeping._Plan(str(case), (), (), 2)
     with pytest.raises(kf.InvalidInput, match="a worker finds another sweep"):
-        sweeping.make_runs(sweeping._Share(plan, "0123456789abcdef"), [0])
+        sweeping.make_runs(sweeping._Task(plan, "0123456789abcdef"), [0])
 
 
 def test_an_exception_of_the_progress_stops_the_sweep(case):
@@ -224,7 +224,7 @@ def test_an_exception_of_the_progress_stops_the_sweep(case):
         ({"grid": {"simulate.duration": []}}, "gives 'simulate.duration' no values"),
         ({"grid": {"simulate.duraton": ["1 s"]}}, "duraton"),
         ({"grid": [{"simulate.duration": "1 s"}]}, "must be a dictionary of sequences"),
-        ({"grid": {"estimate.settle": ["0.1 s"]}, "set": {"estimate.settle": "0.2 s"}}, "gives 'estimate.settle' twice"),
+        ({"grid": {"estimate.settle": ["0.1 s"]}, "set": {"estimate.settle": "0.2 s"}}, "'estimate.settle' twice"),
         ({"seeds": 0}, "seeds is 0: must be a whole number from 1"),
         ({"seeds": -2}, "seeds is -2"),
         ({"seeds": 2.5}, "seeds is 2.5"),

@@ -5,6 +5,7 @@
 #include "base/scratch_folder.hpp"
 #include "cli/short_case.hpp"
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/pipeline/simulation_checkpoint.hpp"
 #include "kalfem/report/sweep_report.hpp"
 
 // Runs by their numbers, as somebody who shares them out asks for them.
@@ -15,7 +16,7 @@ namespace {
 class SweepByNumbers : public testing::Test {
 protected:
   [[nodiscard]] SweepPlan plan() const {
-    return {.case_file = file_, .axes = {{"simulate.duration", {"0.5s", "-1s", "0.4s"}}}, .seeds = 2};
+    return {.case_file = file_, .axes = {{"simulate.duration", {"0.5s", "-1s", "0.6s"}}}, .seeds = 2};
   }
 
   ScratchFolder folder_{"sweep-by-numbers"};
@@ -80,6 +81,23 @@ TEST_F(SweepByNumbers, WhatChangesARunChangesTheIdentity) {
   other = plan();
   other.seeds = 3;
   EXPECT_NE(Sweep(other).identity(), identity);
+}
+
+TEST_F(SweepByNumbers, AReferenceIsSharedWhereEstimateAloneDiffers) {
+  const auto with = [&](const std::string& key, const std::string& value) {
+    return simulation_fingerprint(load_study(file_, {{key, value}}));
+  };
+  const std::string as_given = simulation_fingerprint(load_study(file_));
+  EXPECT_EQ(with("estimate.settle", "0.2s"), as_given);
+  EXPECT_EQ(with("estimate.filter", "ukf"), as_given);
+  EXPECT_EQ(with("estimate.unknown.suspension.k.initial", "5 kN/m"), as_given);
+  for (const auto& [key, value] : {std::pair{"simulate.duration", "0.6s"},
+                                   {"simulate.seed", "2"},
+                                   {"sensors.a.noise", "10 %"},
+                                   {"connectors.suspension.parameters.k", "6 kN/m"},
+                                   {"excitation.road.random.seed", "5"},
+                                   {"report.displacements", "[body.1]"}})
+    EXPECT_NE(with(key, value), as_given) << key;
 }
 
 TEST(LinesOfSweepRuns, GiveTheRunBack) {

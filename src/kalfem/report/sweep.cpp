@@ -11,6 +11,7 @@
 #include "kalfem/base/parallel.hpp"
 #include "kalfem/base/version.hpp"
 #include "kalfem/pipeline/run_simulation.hpp"
+#include "kalfem/pipeline/simulation_checkpoint.hpp"
 #include "kalfem/report/data_files.hpp"
 #include "kalfem/report/result_set.hpp"
 #include "kalfem/report/summary_parts.hpp"
@@ -32,23 +33,60 @@ void check(const SweepPlan& plan) {
   issues.raise();
 }
 
-/// The case with the values of one combination, and its reference, for all seeds.
-struct Combination {
-  Study study;
-  std::shared_ptr<const SimulationOutcome> simulation = {};  ///< empty: the case measures its record
-  std::string failure = {};                                  ///< why there is no reference
-
-  void simulate() {
-    if (!study.simulation || simulation) return;
-    std::vector<FieldSeries> pictures;
-    simulation = std::make_shared<const SimulationOutcome>(run_simulation(study, {}, pictures, failure));
-  }
+/// The simulated reference; where there is none, why.
+struct Reference {
+  SimulationOutcome outcome;
+  std::string failure;
 };
 
-/// The simulation with the noise of a seed; without a seed as it is.
-std::shared_ptr<const SimulationOutcome> with_seed(const Combination& combination, std::optional<int> seed) {
-  if (!seed) return combination.simulation;
-  auto simulation = std::make_shared<SimulationOutcome>(*combination.simulation);
+/// References, each made by the first combination that asks for it: combinations that differ in `estimate` share one.
+class References {
+public:
+  std::shared_ptr<const Reference> of(const Study& study) {
+    const auto entry = entry_of(simulation_fingerprint(study));
+    const std::scoped_lock lock(entry->guard);
+    if (!entry->reference) {
+      auto reference = std::make_shared<Reference>();
+      std::vector<FieldSeries> pictures;
+      reference->outcome = run_simulation(study, {}, pictures, reference->failure);
+      entry->reference = std::move(reference);
+    }
+    return entry->reference;
+  }
+
+private:
+  struct Entry {
+    std::string fingerprint;
+    std::mutex guard;
+    std::shared_ptr<const Reference> reference;
+  };
+
+  std::shared_ptr<Entry> entry_of(const std::string& fingerprint) {
+    constexpr std::size_t most = 8;
+    const std::scoped_lock lock(guard_);
+    const auto known = std::ranges::find(kept_, fingerprint, [](const auto& entry) { return entry->fingerprint; });
+    if (known != kept_.end()) return *known;
+    if (kept_.size() == most) kept_.erase(kept_.begin());
+    kept_.push_back(std::make_shared<Entry>());
+    kept_.back()->fingerprint = fingerprint;
+    return kept_.back();
+  }
+
+  std::mutex guard_;
+  std::vector<std::shared_ptr<Entry>> kept_;  ///< the oldest first
+};
+
+/// The case with the values of one combination, for all seeds.
+struct Combination {
+  Study study;
+  std::shared_ptr<const Reference> reference = {};  ///< empty: the case measures its record
+};
+
+/// The reference with the noise of a seed; without a seed with that of the case.
+std::shared_ptr<const SimulationOutcome> simulation_of(const Combination& combination, std::optional<int> seed) {
+  if (!combination.reference) return nullptr;
+  if (!seed) return {combination.reference, &combination.reference->outcome};
+  auto simulation = std::make_shared<SimulationOutcome>(combination.reference->outcome);
   add_noise(combination.study, static_cast<std::uint64_t>(*seed), *simulation);
   return simulation;
 }
@@ -63,10 +101,9 @@ std::string lasting_text(Json summary) {
 std::string summary_of(const Combination& combination, std::optional<int> seed) {
   const Study& study = combination.study;
   StudyResults results;
-  if (combination.failure.empty())
-    results = run_study(study, Step::everything, {.simulation = with_seed(combination, seed)});
-  else
-    results.failure = combination.failure;
+  if (combination.reference) results.failure = combination.reference->failure;
+  if (results.complete())
+    results = run_study(study, Step::everything, {.simulation = simulation_of(combination, seed)});
   return lasting_text(summarise(study, results));
 }
 
@@ -151,7 +188,7 @@ public:
     auto made = place.made.lock();
     try {
       if (!made) made = std::make_shared<Combination>(Combination{read(number)});
-      made->simulate();
+      if (made->study.simulation && !made->reference) made->reference = references_.of(made->study);
     } catch (const InvalidInput& error) {
       place.refused = error;
       throw;
@@ -191,6 +228,7 @@ private:
 
   SweepPlan plan_;
   std::string identity_;
+  References references_;
   std::vector<Place> places_;
   std::vector<std::shared_ptr<Combination>> kept_;  ///< the one that was asked for last stands last
   std::mutex keeping_, reading_;

@@ -55,7 +55,8 @@ struct SweepOptions {
 };
 
 /// A sweep that is ready to run. Each run is that of `kalfem run` with the same changes, to the last bit, whoever makes
-/// it. A combination is read, and its reference simulated, once for all its seeds.
+/// it. A combination is read once for all its seeds, and a reference simulated once for all combinations that share it:
+/// those that differ in `estimate`.
 class Sweep {
 public:
   /// Reads the case with the first combination. Throws InvalidInput where that cannot be run, where an axis has no
