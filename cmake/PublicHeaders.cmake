@@ -12,7 +12,8 @@ set(KALFEM_CORE_HEADERS
     linalg/sparse_factor.hpp
     model/finite_element_model.hpp model/linear_model.hpp model/lumped.hpp model/unit_system.hpp
     model/elements/element.hpp model/mesh/mesh.hpp model/mesh/properties.hpp
-    model/statics/load_case.hpp model/statics/rotation.hpp # load cases of decks
+    model/gauges/gauge_description.hpp
+    model/statics/load_case.hpp # of decks
     records/record.hpp reduction/superelement.hpp
     system/connector_law.hpp system/signal.hpp
     system/sensors/measurement_chain.hpp system/sensors/output_description.hpp

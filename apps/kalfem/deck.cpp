@@ -8,6 +8,7 @@
 
 #include "console.hpp"
 #include "kalfem/base/atomic_file.hpp"
+#include "kalfem/base/stopwatch.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/deck.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
@@ -52,7 +53,9 @@ Table frequency_table(const Eigen::VectorXd& frequencies) {
 
 /// The deck's model at full order, as a case would use it. What the deck needs and kalfem does not read is an error.
 FiniteElementPart part_of(const std::string& file, const std::vector<std::string>& units) {
+  const Stopwatch watch;
   Deck deck = read_deck(file);
+  const double reading = watch.seconds();
   IssueList issues;
   accept_missing(deck.notes, {}, issues);
   issues.raise();
@@ -61,6 +64,7 @@ FiniteElementPart part_of(const std::string& file, const std::vector<std::string
       print_error("warning: {}\n", to_string(Issue{note.where, note.what, note.consequence, ""}));
   to_si(deck.model, unit_system(units));
   FiniteElementPart part{.name = std::filesystem::path(file).stem().string(), .elements = std::move(deck.model)};
+  part.times.add("read", reading);
   assemble_part(part, {});
   for (const auto& finding : {units_finding(part.elements), coincident_elements_finding(part.elements)})
     if (finding) print_error("warning: {}\n", to_string(Issue{{file, 0}, finding->what, finding->why, finding->fix}));
@@ -96,16 +100,17 @@ ExitCode check_deck(const std::string& file, const std::vector<std::string>& uni
 
 ExitCode modes_of_deck(const DeckModesArguments& arguments) {
   const std::filesystem::path folder = arguments.folder;
-  const FiniteElementPart part = part_of(arguments.file, arguments.units);
+  FiniteElementPart part = part_of(arguments.file, arguments.units);
   const std::string picture = part.name + "_modes.vtu";
   if (!folder.empty()) require_writable(folder / picture);
-  const SubstructureModes modes = modes_of(part, arguments.count);
-  if (!folder.empty()) write_modes(folder, part, modes);
+  const auto modes = part.times.measure("modes", [&] { return modes_of(part, arguments.count); });
+  if (!folder.empty()) part.times.measure("write", [&] { write_modes(folder, part, modes); });
   if (arguments.as_json) {
-    const nlohmann::ordered_json json{{"deck", std::filesystem::path(arguments.file).filename().string()},
-                                      {"dofs", modes.dofs},
-                                      {"mass", number(modes.mass)},
-                                      {"frequencies_hz", numbers(modes.frequencies)}};
+    nlohmann::ordered_json json{{"deck", std::filesystem::path(arguments.file).filename().string()},
+                                {"dofs", modes.dofs},
+                                {"mass", number(modes.mass)},
+                                {"frequencies_hz", numbers(modes.frequencies)}};
+    for (const auto& [phase, seconds] : part.times.list()) json["timing"][phase + "_s"] = number(seconds);
     print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
     return done;
   }

@@ -3,8 +3,6 @@
 #include <utility>
 
 #include "console.hpp"
-#include "kalfem/base/atomic_file.hpp"
-#include "kalfem/base/output_folder.hpp"
 #include "kalfem/report/sweep_report.hpp"
 #include "kalfem/report/tables.hpp"
 #include "verbs.hpp"
@@ -59,25 +57,21 @@ fs::path folder_of(const SweepArguments& arguments) {
 }  // namespace
 
 ExitCode sweep(const SweepArguments& arguments) {
-  const FolderLock lock(folder_of(arguments));
-  const fs::path folder = folder_of(arguments);
-  for (const char* name : {"runs.jsonl", "sweep.csv", "sweep.h5"}) require_writable(folder / name);
+  const fs::path place = folder_of(arguments);
   Sweep sweep({arguments.case_file, changes_of(arguments.changes), axes_of(arguments.grid), arguments.seeds});
-  SweepLog log(folder / "runs.jsonl", sweep);
-  if (!log.known().empty())
-    print("{} of {} runs are known from {}\n", log.known().size(), sweep.plan().size(),
-          (folder / "runs.jsonl").string());
+  SweepFolder folder(place, sweep);
+  if (!folder.known().empty())
+    print("{} of {} runs are known from {}\n", folder.known().size(), sweep.plan().size(),
+          (place / "runs.jsonl").string());
   const auto runs = sweep.run({.threads = arguments.threads,
-                               .known = log.known(),
-                               .on_run = [&](const SweepRun& run) { log.add(run); },
+                               .known = folder.known(),
+                               .on_run = [&](const SweepRun& run) { folder.add(run); },
                                .progress = progress_bar(true)});
-  log.finish(runs);
   const auto finished = finished_runs(runs);
-  write_file_atomically(folder / "sweep.csv", sweep_csv(sweep.plan(), finished));
-  write_sweep_arrays(folder / "sweep.h5", sweep.plan(), finished);
+  folder.finish(finished);
   for (const auto& table : sweep_tables(sweep.plan(), finished))
     print_report(table.title + "\n" + to_text(table) + "\n");
-  print("Results in {}: runs.jsonl, sweep.csv, sweep.h5\n", folder.string());
+  print("Results in {}: runs.jsonl, sweep.csv, sweep.h5\n", place.string());
   std::string told;
   for (const auto& run : runs)
     if (!run.refused.empty() && run.refused != std::exchange(told, run.refused))

@@ -112,10 +112,18 @@ Eigen::VectorXd numbers_of(const py::handle& given, const std::string& argument,
   return values;
 }
 
+Layer layer_named(const std::string& surface, const std::string& gauge) {
+  for (const Layer layer : {Layer::top, Layer::middle, Layer::bottom})
+    if (surface == to_string(layer)) return layer;
+  throw InvalidInput("strain gauge '" + gauge + "': surface is '" + surface + "'",
+                     "a shell has a top, a middle and a bottom", "give one of these names");
+}
+
 FiniteElements with_gauge(const FiniteElements& self, const std::string& name, const py::object& where,
                           const py::object& direction, const std::optional<std::string>& surface,
                           const py::object& fibre, const std::string& region) {
-  Gauge gauge{.name = name, .surface = surface.value_or(""), .region = region};
+  GaugeDescription gauge{.name = name, .region = region};
+  if (surface) gauge.surface = layer_named(*surface, name);
   if (py::isinstance<py::int_>(where))
     gauge.place = where.cast<std::int64_t>();
   else

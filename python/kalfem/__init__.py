@@ -45,6 +45,7 @@ _NAMES = {
     "live": ("Filter", "Estimate"),
     "law_library": ("laws",),
     "running": ("run",),
+    "sweeping": ("sweep", "Sweep"),
     "likelihood": ("Likelihood",),
     "records": ("read", "Record", "MeasuredFile"),
     "ensemble": ("map", "Ensemble", "Failure"),
@@ -118,4 +119,5 @@ if TYPE_CHECKING:
     from .results import Run as Run, read_results as read_results
     from .running import run as run
     from .series import TimeSeries as TimeSeries
+    from .sweeping import Sweep as Sweep, sweep as sweep
     from .vibration import Modes as Modes, frf as frf, mac as mac, modes as modes

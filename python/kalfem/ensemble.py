@@ -94,7 +94,7 @@ def _computed(task, settings, places, executor):
             raise InterruptedError("the ensemble was interrupted")
 
     in_threads = isinstance(executor, ThreadPoolExecutor)
-    size = 1 if in_threads else _chunk_size(len(places), _workers(executor))
+    size = share_size(len(places), executor)
     try:
         yield from _submitted(executor, task, settings, places, size, stop_if_told if in_threads else False)
     finally:
@@ -114,6 +114,13 @@ def _submitted(executor, task, settings, places, size, progress):
     finally:
         for future in waiting:
             future.cancel()
+
+
+def share_size(count, executor):
+    """How many of `count` tasks go to a worker at once; one to a thread, which they reach at no cost."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    return 1 if isinstance(executor, ThreadPoolExecutor) else _chunk_size(count, _workers(executor))
 
 
 def _chunk_size(count, workers):

@@ -22,7 +22,7 @@ def points(grid):
     2
     """
     if isinstance(grid, Mapping):
-        values = [_sequence(each) for each in grid.values()]
+        values = [sequence(each) for each in grid.values()]
         return [dict(zip(grid, combination)) for combination in itertools.product(*values)]
     all_points = list(grid)
     for i, point in enumerate(all_points):
@@ -32,7 +32,8 @@ def points(grid):
     return [{name: _plain(value) for name, value in point.items()} for point in all_points]
 
 
-def _sequence(values):
+def sequence(values):
+    """A list of plain values; a single value stands for a list of one."""
     if isinstance(values, np.ndarray):
         return values.tolist()
     if isinstance(values, (str, bytes, Mapping)) or not hasattr(values, "__iter__"):

@@ -58,10 +58,11 @@ def run(
 
 def as_changes(settings: Mapping[str, Any] | None) -> list[tuple[str, str | None]]:
     """Keys of a case with their values as YAML; None removes the key."""
-    return [(key, None if value is None else _as_yaml(value)) for key, value in (settings or {}).items()]
+    return [(key, None if value is None else as_yaml(value)) for key, value in (settings or {}).items()]
 
 
-def _as_yaml(value):
+def as_yaml(value: Any) -> str:
+    """A value of a key as the case file would have it; a text is taken as it is."""
     return value if isinstance(value, str) else _flow(value)
 
 

@@ -59,6 +59,22 @@ TEST(FiniteElementParts, CarryStrainGauges) {
   EXPECT_THAT(refusal_of([&] { reduce(with_gauge(30)); }), HasSubstr("strain gauge 'g' stands on element 30"));
 }
 
+/// H(0) of the strain per force at the tip, full and reduced, is that of the bent cantilever above.
+TEST(FiniteElementParts, HaveFrequencyResponsesOfStrain) {
+  const double inertia = 0.02 * std::pow(0.01, 3) / 12.0, expected = -5e-3 * 0.75 / (210e9 * inertia);
+  const auto gauged = cantilever().gauge({.name = "g", .place = std::int64_t{3}, .fibre = Eigen::Vector2d(0.0, 5e-3)});
+  for (FiniteElements elements : {gauged, FiniteElements(gauged).reduce({}, {"tip"})}) {
+    Structure s;
+    s.add(elements);
+    const auto value = frequency_responses(s, Eigen::VectorXd::Zero(1), "beam.tip.z", {strain("beam.g")})(0, 0);
+    EXPECT_NEAR(value.real(), expected, 1e-6 * std::abs(expected));
+    EXPECT_EQ(value.imag(), 0.0);
+    const auto refused =
+        refusal_of([&] { return frequency_responses(s, Eigen::VectorXd::Zero(1), "beam.tip.z", {strain("beam.h")}); });
+    EXPECT_THAT(refused, HasSubstr("there is no strain gauge 'beam.h' (did you mean 'beam.g'?)"));
+  }
+}
+
 TEST(FiniteElementParts, WrongNamesAreReportedTogether) {
   auto elements = cantilever().node("middle", 99).fix("rot").reduce({}, {"tup", "tip.q"});
   const auto message = refusal_of([&] { return reduce(elements); });

@@ -103,6 +103,20 @@ TEST(Substeps, StayAtFourWhereTheseAreEnough) {
   EXPECT_EQ(estimate(driven_chain(), record, given).parameters[0].mean, chosen.parameters[0].mean);
 }
 
+/// Two substeps are compared with four: with the bias that this states, the estimates of eight are predicted.
+TEST(Substeps, StateTheBiasThatIsLeft) {
+  const auto with = [](std::optional<int> substeps) {
+    return estimate(driven_chain(), chain_record(),
+                    {.sensors = chain_sensors(),
+                     .unknowns = {{"suspension.mu_k1", {.initial = 15, .std = 5}}},
+                     .substeps = substeps});
+  };
+  const auto chosen = with({});
+  ASSERT_EQ(chosen.substeps, 4);
+  const auto &two = with(2).parameters[0], &four = chosen.parameters[0];
+  EXPECT_NEAR(chosen.substep_bias[0], std::abs(four.mean - two.mean) / 3.0 / four.std, 1e-9);
+}
+
 /// Without an unknown nothing is there whose bias could be measured.
 TEST(Substeps, AreFourWithoutUnknowns) {
   const auto result = estimate(driven_chain(), chain_record(), {.sensors = chain_sensors()});

@@ -71,5 +71,16 @@ TEST(FrequencyResponses, RefuseWhatIsNoMotionOfAPoint) {
               HasSubstr("frequencies"));
 }
 
+TEST(FrequencyResponses, RefuseWhatIsInfinite) {
+  Structure s;
+  s.add(lumped("free").mass("1", 2.0).mass("2", 2.0).spring("k", "1", "2", 100.0));
+  const auto at = [&](double line) {
+    return refusal_of(
+        [&] { return frequency_responses(s, Eigen::VectorXd::Constant(1, line), "free.1", {displacement("free.2")}); });
+  };
+  EXPECT_THAT(at(0.0), HasSubstr("can move as a rigid body"));
+  EXPECT_THAT(at(10.0 / (2.0 * std::numbers::pi)), HasSubstr("an undamped mode resonates there"));
+}
+
 }  // namespace
 }  // namespace kalfem

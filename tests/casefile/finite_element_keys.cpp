@@ -137,6 +137,27 @@ void translated_nodes() {
   EXPECT_EQ(part_of(with_mesh("translate: [1, 0, 0], nodes: {m: [2, 1, 0]}")).nodes.at(0).node, 2);
 }
 
+/// A quarter turn of the plate about a line through [1, 0, 0] along z: its first corner comes to [1, -1, 0]. A beam's
+/// orientation turns with its file.
+void rotated_nodes() {
+  const auto corner = [](const std::string& turn, const std::string& more = "") {
+    return Eigen::VectorXd(elements_of(with_mesh("rotate: {" + turn + "}" + more)).mesh.nodes.col(0));
+  };
+  near(corner("axis: [0, 0, 2], angle: 90 deg, about: [1 m, 0 m, 5 m]"), vector({1.0, -1.0, 0.0}));
+  near(corner("axis: [0, 0, 2], angle: 90 deg, about: [1 m, 0 m, 5 m]", ", translate: [0, 0, 3]"),
+       vector({1.0, -1.0, 3.0}));
+  near(corner("axis: [0, 1, 0], angle: 0.5, about: [1, 0, 0]"), vector({1.0 - std::cos(0.5), 0.0, std::sin(0.5)}),
+       many_roundings);
+  near(Eigen::VectorXd(elements_of(with_mesh("rotate: {axis: [0, 0, 1], angle: -180 deg}")).mesh.nodes.col(2)),
+       vector({-1.0, -1.0, 0.0}));
+  const auto beam = with_beam("rotate: {axis: [1, 0, 0], angle: 90 deg}");
+  near(Eigen::VectorXd(std::get<BeamProperty>(elements_of(beam).properties.at("bar")).placements[0].up),
+       vector({0.0, -1.0, 0.0}));
+  EXPECT_THROW(with_mesh("rotate: {axis: [0, 0, 0], angle: 90 deg}"), InvalidInput);
+  EXPECT_THROW(with_mesh("rotate: {axis: [0, 0, 1], angle: 0}"), InvalidInput);
+  EXPECT_THROW(with_mesh("rotate: {axis: [0, 0, 1], angle: 90}"), InvalidInput);  // radians
+}
+
 /// What a deck lacks is refused but for what the case accepts, which is noted and left out.
 void missing_parts_of_decks() {
   write_file("bar.inp", abaqus_text);
@@ -558,6 +579,7 @@ KeyChecks finite_element_keys() {
   add(at, {"deck", "format"}, decks);
   add(at, {"temperature"}, temperatures_of_decks);
   add(at, {"translate"}, translated_nodes);
+  add(at + "rotate.", {"axis", "angle", "about"}, rotated_nodes);
   add(at, {"accept_missing"}, missing_parts_of_decks);
   add(at + "units.", {"length", "mass", "time"}, [] {
     decks();

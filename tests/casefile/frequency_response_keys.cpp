@@ -22,6 +22,13 @@ Study beam(const std::map<std::string, std::string>& keys) {
   return study_of(beam_case({{"frequency_response", section(keys, "b.mid.z", "{displacement: b.tip.z}")}}));
 }
 
+/// The cantilever under a force at its tip, with a gauge at its upper fibre amid the first element.
+Study with_gauge(const std::map<std::string, std::string>& keys) {
+  const std::string part = beam_elements("gauges: {g: {element: 1, fibre: [0, 10 mm]}}");
+  return study_of(beam_case({{"substructures", "{b: {finite_elements: {" + part + "}}}"},
+                             {"frequency_response", section(keys, "b.tip.z", "{strain: b.g}")}}));
+}
+
 FrequencyResponseOutcome outcome_of(const Study& study) {
   return run(study, Step::frequency_response).frequency_response.value();
 }
@@ -61,6 +68,16 @@ void accelerations() {
   const double omega = 4.0 * std::numbers::pi;
   const auto expected = -omega * omega * outcome.responses[0].full[0];
   EXPECT_LT(std::abs(outcome.responses[1].full[0] - expected), many_roundings * std::abs(expected));
+}
+
+/// Bending of the cantilever by a slow force at its tip: epsilon = F (L - x) e / E I at the middle of the first
+/// element, 0.5 m long.
+void strains() {
+  const auto outcome = outcome_of(with_gauge({{"frequencies", "[0 Hz]"}}));
+  const double diameter = 0.02, inertia = std::numbers::pi * std::pow(diameter, 4) / 64.0;
+  EXPECT_EQ(outcome.responses[0].quantity, "strain");
+  EXPECT_EQ(outcome.responses[0].unit, "(m/m)/N");
+  near(outcome.responses[0].full[0].real(), -0.01 * 0.75 / (210e9 * inertia), 1e-6);
 }
 
 void models() {
@@ -103,6 +120,7 @@ KeyChecks frequency_response_keys() {
           {section + "outputs[].displacement", inputs_and_outputs},
           {section + "outputs[].velocity", inputs_and_outputs},
           {section + "outputs[].acceleration", accelerations},
+          {section + "outputs[].strain", strains},
           {section + "model", models},
           {section + "method", methods},
           {section + "substructure", substructure}};

@@ -115,6 +115,13 @@ TEST_F(JoinedPlate, HasTheFrequenciesOfTheWholeWhenBothPartsAreReduced) {
   EXPECT_LE(relative_error(frequencies_of(reduced, count), expected.head(count)).maxCoeff(), 1e-3);
 }
 
+TEST_F(JoinedPlate, TellsTheFrequenciesOfTheWhole) {
+  const auto joint = results_of(joined(), Step::modes), reference = results_of(whole(), Step::modes);
+  EXPECT_EQ(reference.joined_frequencies.size(), 0);
+  ASSERT_EQ(joint.joined_frequencies.size(), reference.modes[0].frequencies.size());
+  EXPECT_LE(relative_error(joint.joined_frequencies, reference.modes[0].frequencies).maxCoeff(), 1e-3);
+}
+
 /// A force at the free corner, and what the corner does: the same with one mesh and with two.
 TEST_F(JoinedPlate, MovesAsTheWhole) {
   const std::string driven =
@@ -218,6 +225,100 @@ TEST_F(JoinedPlate, StaysWholeInALocalModel) {
                   "estimate: {local: {substructures: [right], interface: {right.corner.x: {force: {std: 1 "
                   "N}}}}}\n");
   EXPECT_NE(found.find("leads out of the local model"), std::string::npos) << found;
+}
+
+TEST_F(JoinedPlate, HasTheFrequencyResponsesOfTheWhole) {
+  const auto asked = [](const std::string& part) {
+    return "frequency_response: {frequencies: [1 Hz, 12 Hz, 30 Hz], inputs: [" + part +
+           ".corner.z], outputs: "
+           "[{displacement: " +
+           part + ".corner.z}, {displacement: " + part + ".edge.z}], method: direct}\n";
+  };
+  const auto one = results_of(changed(whole(), "nodes: {corner", "nodes: {edge: [0.5, 0, 0], corner") + asked("plate"),
+                              Step::frequency_response);
+  // The node at the seam is a point of the second part, whose degrees of freedom there have the names of the first.
+  const auto two = results_of(changed(joined(), "nodes: {corner", "nodes: {edge: [0.5, 0, 0], corner") + asked("right"),
+                              Step::frequency_response);
+  ASSERT_TRUE(one.complete() && two.complete()) << one.failure << two.failure;
+  for (const std::size_t i : {0u, 1u}) {
+    const Eigen::VectorXcd &found = two.frequency_response->responses[i].full,
+                           &expected = one.frequency_response->responses[i].full;
+    EXPECT_LE((found - expected).norm(), 1e-6 * expected.norm()) << i;
+  }
+}
+
+TEST_F(JoinedPlate, RefusesJointsThatRepeatOrContradictOthers) {
+  const auto again =
+      problems_of(changed(joined(), "right.seam]}", "right.seam]}\n  again: {between: [right.seam, left.seam]}"));
+  EXPECT_NE(again.find("joints.again: joint 'seam' joins these nodes already"), std::string::npos) << again;
+  const auto other = problems_of(changed(
+      changed(joined(), "right.seam]}", "right.seam]}\n  tie: {between: [left.end, right.inner], tolerance: 1 m}"),
+      "clamp: {nodes: root}}", "clamp: {nodes: root}}, nodes: {end: [0.5, 0, 0]}"));
+  const auto contradiction =
+      problems_of(changed(changed(changed(joined(), "right.seam]}",
+                                          "right.seam]}\n  tie: {between: [left.end, right.inner], tolerance: 1 m}"),
+                                  "clamp: {nodes: root}}", "clamp: {nodes: root}}, nodes: {end: [0.5, 0, 0]}"),
+                          "nodes: {corner", "nodes: {inner: [0.75, 0, 0], corner"));
+  EXPECT_NE(other.find("has no group of nodes 'inner'"), std::string::npos) << other;
+  EXPECT_NE(contradiction.find("and joint 'seam' joins it to node 1"), std::string::npos) << contradiction;
+}
+
+TEST_F(JoinedPlate, WarnsOfPartnersFarApart) {
+  write_plate(folder_ / "shifted.msh", {0.5, 1.5, "seam", "", 0.3 * cell});
+  const Study study = study_of(changed(joined("shifted.msh"), "right.seam]", "right.seam], tolerance: 26 mm"));
+  EXPECT_TRUE(std::ranges::any_of(study.warnings, [](const auto& warning) {
+    return warning.find("unites nodes up to 0.025 m apart") != std::string::npos;
+  }));
+}
+
+TEST_F(JoinedPlate, TellsOfMissingPartnersOnce) {
+  write_plate(folder_ / "shifted.msh", {0.5, 1.5, "seam", "", 0.3 * cell});
+  const auto found = problems_of(joined("shifted.msh"));
+  EXPECT_EQ(std::ranges::count(found, '\n'), 0) << found;
+}
+
+// --- turned copies ---------------------------------------------------------------------------------------------------
+
+/// The plate's second half as the first one turned by half a turn about its end: a deck is read once and used twice.
+TEST_F(JoinedPlate, OfATurnedCopyIsTheWhole) {
+  write_plate(folder_ / "half.msh", {0.0, 0.75, "", "seam"});
+  const std::string turned = ", rotate: {axis: [0, 0, 1], angle: 180 deg, about: [0.75, 0.25, 0]}";
+  const std::string text = "kalfem: 1\nsubstructures:\n  left:\n    " + elements(folder_ / "half.msh", "") +
+                           "\n  right:\n    " + elements(folder_ / "half.msh", turned) +
+                           "\njoints:\n  seam: {between: [left.seam, right.seam]}\n";
+  write_plate(folder_ / "free.msh", {0.0, 1.5, "", ""});
+  const Study joint = study_of(text), reference = study_of("kalfem: 1\nsubstructures:\n  plate:\n    " +
+                                                           elements(folder_ / "free.msh", "") + "\n");
+  const Eigen::VectorXd found = frequencies_of(joint.structure->reference_parts(), 20).tail(14),
+                        expected = frequencies_of(reference.structure->reference_parts(), 20).tail(14);
+  EXPECT_LE(relative_error(found, expected).maxCoeff(), 1e-7);
+}
+
+/// A support, a spring and a load of a deck turn with it: along its own z, which becomes -y.
+TEST(TurnedDeck, KeepsItsSupportsSpringsAndLoads) {
+  const ScratchFolder folder("turned-deck");
+  std::ofstream(folder / "bar.bdf")
+      << "SOL 101\nCEND\nSPC = 3\nSUBCASE 1\nLOAD = 9\nBEGIN BULK\n"
+         "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,2.,0.,0.\nCBAR,1,1,1,2,0.,0.,1.\nCBAR,2,1,2,3,0.,0.,1.\n"
+         "PBAR,1,1,1.-3,1.-7,4.-7,3.-7\nMAT1,1,2.+11,,.3,7850.\nSPC1,3,12345,1\nSPC1,3,3,3\n"
+         "CELAS2,7,1.+4,2,3\nFORCE,9,2,,100.,0.,0.,-1.\nENDDATA\n";
+  const auto solved = [&](const std::string& turn) {
+    const auto results =
+        results_of("kalfem: 1\nsubstructures:\n  bar: {finite_elements: {deck: " + (folder / "bar.bdf").string() +
+                       turn + ", nodes: {middle: 2, end: 3}}}\nstatic: {substructure: bar, deck_cases: true}\n",
+                   Step::statics);
+    EXPECT_TRUE(results.complete()) << results.failure;
+    return results;
+  };
+  const auto upright = solved(""), turned = solved(", rotate: {axis: [1, 0, 0], angle: 90 deg}, translate: [0, 0, 4]");
+  const auto moved = [](const StudyResults& results, std::size_t point) -> Eigen::Vector3d {
+    return results.statics->cases[0].points[point].displacement.head<3>();
+  };
+  const Eigen::Vector3d middle = moved(upright, 0);
+  EXPECT_LT(middle.z(), -1e-6);
+  EXPECT_LT((moved(turned, 0) - Eigen::Vector3d(0.0, -middle.z(), 0.0)).norm(), 1e-9 * middle.norm());
+  EXPECT_LT(moved(turned, 1).norm(), 1e-9 * middle.norm());
+  EXPECT_LT(turned.statics->cases[0].solution.imbalance, 1e-9);
 }
 
 }  // namespace

@@ -200,5 +200,56 @@ TEST_F(Frf, OfTheVehicleWithResidualVectorsAreThoseOfTheFullFrame) {
   }
 }
 
+// The gauge of a slowly loaded cantilever reads the static strain, F (L - x) e / E I, and at every line that of the
+// full model: the superelement carries the gauge.
+TEST_F(Frf, GivesStrainAtGauges) {
+  std::string text = beam;
+  text.replace(text.find("connectors"), std::string::npos, "");
+  text.insert(text.find("      fixed:"), "      gauges: {g: {element: 3, fibre: [0, 5 mm]}}\n");
+  text.insert(text.find("    damping:"), "    springs: [{from: ground, to: tip.z, stiffness: 1e-3 N/m}]\n");
+  const auto outcome = run(text + R"(frequency_response:
+  frequencies: {from: 0.05 Hz, to: 60 Hz, lines: 60}
+  inputs: [arm.tip.z, arm.ground]
+  outputs: [{strain: arm.g}, {acceleration: arm.tip.z}]
+  model: both
+  method: direct
+)");
+  ASSERT_EQ(outcome.code, 0) << outcome.errors;
+  const Json responses = summary()["responses"];
+  ASSERT_EQ(responses.size(), 4u);
+  EXPECT_EQ(responses[0]["unit"], "(m/m)/N");
+  EXPECT_EQ(responses[2]["unit"], "(m/m)/m");
+  EXPECT_LT(responses[0]["difference"]["at_resonances"].get<double>(), 0.01);
+  const std::string table = read(folder_ / "out" / "frf_full_strain_arm.tip.z.csv");
+  EXPECT_NE(table.find("arm.g_re [(m/m)/N]"), std::string::npos) << table.substr(0, 200);
+  const FrequencyResponse strains = read_frf_table(folder_ / "out" / "frf_full_strain_arm.tip.z.csv");
+  const double inertia = 0.02 * std::pow(0.01, 3) / 12.0;
+  const double expected = -5e-3 * (1.0 - 0.25) / (210e9 * inertia);
+  EXPECT_NEAR(strains.values(0, 0).real(), expected, 1e-4 * std::abs(expected));
+}
+
+TEST_F(Frf, RefusesLinesWithoutAFiniteResponse) {
+  const std::string undamped =
+      "kalfem: 1\nsubstructures:\n  o: {masses: {m: 1, n: 1}, springs: [{from: m, to: n, stiffness: 200}]}\n";
+  for (const std::string method : {"modal", "direct"}) {
+    const auto asked = [&](const std::string& line) {
+      return run(undamped + "frequency_response: {frequencies: [" + line +
+                 "], inputs: [o.m], outputs: [{displacement: o.n}], method: " + method + "}\n");
+    };
+    const auto still = asked("0 Hz");
+    EXPECT_EQ(still.code, 2) << method;
+    EXPECT_NE(still.errors.find(
+                  "case.yaml:4: the equations of motion are singular at 0 Hz: the structure can move as a rigid body"),
+              std::string::npos)
+        << still.errors;
+    char line[40];
+    std::snprintf(line, sizeof line, "%.17g Hz", 20.0 / (2.0 * std::numbers::pi));
+    const auto resonant = asked(line);
+    EXPECT_EQ(resonant.code, 2) << method;
+    EXPECT_NE(resonant.errors.find("an undamped mode resonates there"), std::string::npos) << resonant.errors;
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out" / "summary.json"));
+  }
+}
+
 }  // namespace
 }  // namespace kalfem::test

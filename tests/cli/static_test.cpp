@@ -101,6 +101,8 @@ TEST_F(Static, EachMistakeHasOneMessageWithItsLine) {
         {"{substructure: arm, cases: {a: {forces: [{at: top, force: [1, 0, 0]}]}}}", "no node or group 'top'"},
         {"{substructure: arm, cases: {a: {forces: [{at: tip}]}}}", "the load is zero"},
         {"{substructure: arm, cases: {a: {pressures: [{on: bar, pressure: 1}]}}}", "the group 'bar' holds no faces"},
+        {"{substructure: arm, cases: {a: {pressures: [{on: bar, pressure: 0}]}}}", "the pressure is zero"},
+        {"{substructure: arm, cases: {a: {forces: [{at: root, force: [0, 0, 1]}]}}}", "'arm' acts on supports alone"},
         {"{substructure: arm, cases: {a: {rotation: {axis: [0, 0, 0], speed: 3}}}}", "has no axis or no speed"},
         {"{substructure: arm, cases: {a: {displacements: {root.z: 1 mm}}}}", "which the support 'clamp' holds"},
         {"{substructure: arm, cases: {a: {displacements: {tip: 1 mm}}}}", "'tip' has no direction"},

@@ -147,10 +147,24 @@ TEST(AbaqusLoads, TurnWithTheAxesOfTheirNode) {
   expect_near(total(abaqus(abaqus_bodies + turned + step("*CLOAD\n2, 1, 4.\n")), "step1"), {0, 4, 0});
 }
 
+/// Node 2 is moved along its own first axis, [0, 0.6, 0.8], and held along its second one, -x.
+TEST(AbaqusLoads, MoveSupportsAlongTheAxesOfTheirNode) {
+  const std::string turned = "*NSET, NSET=T\n2\n*TRANSFORM, NSET=T\n0, 3, 4, -1, 0, 0\n";
+  const auto deck = abaqus(abaqus_bodies + turned + step("*BOUNDARY\n2, 1, 1, 0.01\n2, 2, 2\n"));
+  const auto moved = displacement(deck, "step1", 1);
+  EXPECT_NEAR(0.6 * moved.y() + 0.8 * moved.z(), 0.01, 1e-15);
+  EXPECT_NEAR(moved.x(), 0.0, 1e-15);
+  EXPECT_LT(solve_statics(deck.model, case_named(deck, "step1")).imbalance, 1e-9);
+}
+
 TEST(AbaqusLoads, AreRefusedWhereTheyMakeNoSense) {
   const auto refused = [](const std::string& loads) { return problem(abaqus, abaqus_bodies + step(loads)); };
   EXPECT_NE(refused("*CLOAD\n2, 9, 4.\n").find("the direction '9' of a load cannot be read"), std::string::npos);
   EXPECT_NE(refused("*CLOAD\n99, 1, 4.\n"), "");
+  EXPECT_NE(refused("*DLOAD\nEVERYTHING, GRAV, 9.81, 0., 0., 0.\n").find("GRAV has no direction"), std::string::npos);
+  const auto nowhere = refused("*DLOAD\nNOWHERE, GRAV, 9.81, 0., 0., -1.\n");
+  EXPECT_NE(nowhere.find("no set of elements 'NOWHERE'"), std::string::npos) << nowhere;
+  EXPECT_EQ(nowhere.find("GRAV does not act"), std::string::npos) << nowhere;
   EXPECT_NE(refused("*DLOAD\nCUBE, P, 4.\n").find("has no face for the load P"), std::string::npos);
   EXPECT_TRUE(
       test::has_note(abaqus(abaqus_bodies + step("*DLOAD\nCUBE, CENTRIF, 4.\n*CLOAD\n2, 1, 1.\n")), "is not read"));
@@ -230,6 +244,20 @@ TEST(NastranLoads, MoveSupports) {
   EXPECT_NEAR(displacement(deck, "subcase2", 1).x(), 0.03, 1e-15);
   EXPECT_FALSE(test::has_note(deck, "fixed at zero"));
   EXPECT_TRUE(test::has_note(parse_nastran(nastran_bodies + "SPC,3,2,1,.01\n", "deck.bdf"), "fixed at zero"));
+}
+
+/// Node 2 is moved along its own first axis, [0, 0.6, 0.8], and held along its second one, -x.
+TEST(NastranLoads, MoveSupportsAlongTheAxesOfTheirNode) {
+  std::string text = nastran_bodies + "CORD2R,8,,0.,0.,0.,0.,-.8,.6\n,0.,.6,.8\nSPC1,3,2,2\n";
+  text.replace(text.find("GRID,2,,1.,0.,0."), 16, "GRID,2,,1.,0.,0.,8");
+  const std::string control = "SOL 101\nCEND\nSPC = 3\nSUBCASE 1\nSUBCASE 2\nLOAD = 9\nBEGIN BULK\n";
+  const auto deck = nastran(control + text + "SPC,3,2,1,.01\nSPCD,9,2,1,.03\nENDDATA\n");
+  for (const auto& [subcase, value] : {std::pair{"subcase1", 0.01}, {"subcase2", 0.03}}) {
+    const auto moved = displacement(deck, subcase, 1);
+    EXPECT_NEAR(0.6 * moved.y() + 0.8 * moved.z(), value, 1e-15);
+    EXPECT_NEAR(moved.x(), 0.0, 1e-15);
+    EXPECT_LT(solve_statics(deck.model, case_named(deck, subcase)).imbalance, 1e-9);
+  }
 }
 
 }  // namespace

@@ -38,6 +38,8 @@ TEST(AbaqusTemperature, MayBeStated) {
   EXPECT_DOUBLE_EQ(modulus(70.0), 150.0);
   EXPECT_DOUBLE_EQ(modulus(-50.0), 200.0);
   EXPECT_DOUBLE_EQ(modulus(500.0), 100.0);
+  EXPECT_TRUE(test::has_note(abaqus(abaqus_cube(two_rows), 500.0), "its values go from 20 to 120"));
+  EXPECT_FALSE(test::has_note(abaqus(abaqus_cube(two_rows), 120.0), "its values go from"));
 }
 
 TEST(AbaqusTemperature, IsZeroWithANoteWhereTheDeckStatesNone) {
@@ -71,8 +73,29 @@ TEST(AbaqusTemperature, TurnsOrthotropicConstants) {
   EXPECT_LE((solid.elasticity->diagonal() - expected).norm(), 1e-13);
 }
 
+std::string refusal_of(const std::string& material) {
+  try {
+    abaqus(abaqus_cube(material));
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// Constants that cannot be used are told once, not again by the sections that use the material.
 TEST(AbaqusTemperature, NeedsFullRows) {
-  EXPECT_THROW(abaqus(abaqus_cube("*ELASTIC, TYPE=ORTHOTROPIC\n1., 0., 1., 0., 0., 1., 1., 1.\n")), InvalidInput);
+  const auto refused = refusal_of("*ELASTIC, TYPE=ORTHOTROPIC\n1., 0., 1., 0., 0., 1., 1., 1.\n");
+  EXPECT_NE(refused.find("*ELASTIC has 8 constants: its type has 9"), std::string::npos) << refused;
+  EXPECT_EQ(std::ranges::count(refused, '\n'), 0) << refused;
+}
+
+TEST(AbaqusMaterials, NeedPositiveStrainEnergy) {
+  for (const char* constants : {"ORTHOTROPIC\n1., 9., 1., 9., 9., 1., 5., 5.\n5.\n",
+                                "ENGINEERING CONSTANTS\n1., 1., 1., .9, .9, .9, 5., 5.\n5.\n"}) {
+    const auto refused = refusal_of(std::string("*ELASTIC, TYPE=") + constants);
+    EXPECT_NE(refused.find("the elastic constants of 'M' are not positive"), std::string::npos) << refused;
+    EXPECT_EQ(std::ranges::count(refused, '\n'), 0) << refused;
+  }
 }
 
 // --- Nastran ---------------------------------------------------------------------------------------------------------

@@ -67,7 +67,7 @@ TEST(MatrixModel, SaysEverythingThatIsWrongTogether) {
   infinite(2, 2) = std::numeric_limits<double>::infinity();
   const std::string both = refusal(matrix("K", infinite), matrix("M", negative));
   EXPECT_NE(both.find("the stiffness matrix 'K' has an entry that is not finite"), std::string::npos) << both;
-  EXPECT_NE(both.find("the mass matrix 'M' has -2.000000 on its diagonal at row 2"), std::string::npos) << both;
+  EXPECT_NE(both.find("the mass matrix 'M' has -2 on its diagonal at row 2"), std::string::npos) << both;
   beside(0, 0) = 0.0;
   beside(0, 1) = beside(1, 0) = 0.1;
   const struct {

@@ -90,11 +90,11 @@ TEST(SparseFactor, SolvesIntoBlocksAndInPlace) {
   EXPECT_LT((in_place - expected).norm(), rounding * expected.norm());
 }
 
-TEST(SparseFactor, ReadsTheLowerTriangleOnly) {
+TEST(SparseFactor, ReadsTheUpperTriangleOnly) {
   const SparseMatrix<double> matrix = grid(9, 0.3);
-  const SparseMatrix<double> lower = matrix.triangularView<Eigen::Lower>();
+  const SparseMatrix<double> upper = matrix.triangularView<Eigen::Upper>();
   const VectorXd right_side = VectorXd::LinSpaced(81, -1.0, 2.0);
-  EXPECT_LT((SparseFactor(matrix).solve(right_side) - SparseFactor(lower).solve(right_side)).norm(),
+  EXPECT_LT((SparseFactor(matrix).solve(right_side) - SparseFactor(upper).solve(right_side)).norm(),
             1e-14);  // the same operations
 }
 
@@ -107,7 +107,7 @@ TEST(SparseFactor, RefactorsValuesOfTheSamePattern) {
   EXPECT_LT((3.0 * (matrix * factor.solve(right_side)) - right_side).norm(), 1e-12);
   EXPECT_THROW(factor.refactor(grid(21, 0.2)), InvalidInput);
   SparseMatrix<double> another = matrix;
-  another.coeffRef(399, 0) = 1e-3;
+  another.coeffRef(0, 399) = 1e-3;
   EXPECT_THROW(factor.refactor(another), InvalidInput);
   EXPECT_THROW(factor.refactor(grid(20, 0.0)), NotPositiveDefinite);
   factor.refactor(matrix);

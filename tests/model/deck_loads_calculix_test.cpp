@@ -117,5 +117,18 @@ TEST_F(DeckLoadsCalculix, OrthotropicBarMovedByAReferenceNode) {
               "*STEP\n*STATIC\n*BOUNDARY\n30, 2, 2, 0.01\n" + output);
 }
 
+const std::string sloped = "*TRANSFORM, NSET=TIP, TYPE=R\n0.8, 0.6, 0., -0.6, 0.8, 0.2\n";
+
+TEST_F(DeckLoadsCalculix, EndMovedAlongAxesOfItsOwn) {
+  expect_same(bar + sloped + "*BOUNDARY\nTIP, 2, 2\n" + "*STEP\n*STATIC\n*BOUNDARY\nTIP, 1, 1, 0.01\n" + output);
+}
+
+/// The dependent degree of freedom of an equation with a right side, 0.7 times the motion of node 30, is along an axis
+/// of its node.
+TEST_F(DeckLoadsCalculix, EquationWithARightSideInAxesOfItsNode) {
+  expect_same(bar + sloped + "*EQUATION\n3\n4, 1, 1., 8, 2, -0.3, 30, 2, -0.7\n*EQUATION\n2\n12, 3, 1., 30, 2, -1.\n" +
+              "*STEP\n*STATIC\n*BOUNDARY\n30, 2, 2, 0.01\n*CLOAD\n16, 2, 3.\n" + output);
+}
+
 }  // namespace
 }  // namespace kalfem::test

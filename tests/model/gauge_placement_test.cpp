@@ -108,8 +108,9 @@ TEST(GaugePlacement, ABeamNeedsNoDirection) {
 TEST(GaugePlacement, RefusesWhatDoesNotExist) {
   auto given = on_plate();
   given.place = std::int64_t{99};
-  EXPECT_THAT(refusal_of(given), AllOf(HasSubstr("strain gauge 'g' stands on element 99, which is not in plate.msh"),
-                                       HasSubstr("at: [x, y, z]")));
+  EXPECT_THAT(refusal_of(given),
+              AllOf(HasSubstr("strain gauge 'g' stands on element 99, which is no beam, shell or solid of plate.msh"),
+                    HasSubstr("at: [x, y, z]")));
   given = on_plate();
   given.region = "wal";
   EXPECT_THAT(refusal_of(given), HasSubstr("did you mean 'wall'"));

@@ -13,6 +13,7 @@
 #include "kalfem/records/record.hpp"
 #include "kalfem/system/signals/deterministic.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
+#include "kalfem/system/signals/remembered.hpp"
 #include "kalfem/system/signals/sampled.hpp"
 
 namespace kalfem {
@@ -278,6 +279,53 @@ TEST(Signals, RefuseBadOptionsAllAtOnce) {
     EXPECT_THROW((void)signal->sample(0, 1, -1), InvalidInput);
     EXPECT_EQ(signal->sample(0, 1, 0).rows(), 0);
   }
+}
+
+/// Counts what it is asked for.
+class Counting final : public Signal {
+public:
+  SignalSamples sample(double start, double step, Eigen::Index count) const override {
+    ++calls;
+    return signal->sample(start, step, count);
+  }
+  bool covers(double, double end) const override { return end < 5.0; }
+
+  SignalPtr signal = make_random({.rms = 1.0, .seed = 2});
+  mutable int calls = 0;
+};
+
+TEST(RememberedSignal, GivesTheSameSamplesAndAsksOnce) {
+  const auto counting = std::make_shared<Counting>();
+  const auto kept = remembered(counting);
+  const SignalSamples expected = counting->signal->sample(0.5, 1e-3, 2000);
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE((kept->sample(0.5, 1e-3, 2000) == expected).all());
+  EXPECT_EQ(counting->calls, 1);
+  EXPECT_TRUE(kept->covers(0.0, 4.0));
+  EXPECT_FALSE(kept->covers(0.0, 6.0));
+}
+
+TEST(RememberedSignal, AsksForAnotherStartStepOrNumber) {
+  const auto counting = std::make_shared<Counting>();
+  const auto kept = remembered(counting);
+  for (const auto& [start, step, count] :
+       {std::tuple{0.0, 1e-3, 2000}, {0.1, 1e-3, 2000}, {0.0, 2e-3, 2000}, {0.0, 1e-3, 2001}})
+    EXPECT_TRUE((kept->sample(start, step, count) == counting->signal->sample(start, step, count)).all());
+  EXPECT_EQ(counting->calls, 4);
+}
+
+TEST(RememberedSignal, ForgetsTheOldestCalls) {
+  const auto counting = std::make_shared<Counting>();
+  const auto kept = remembered(counting);
+  for (int i = 0; i < 9; ++i) (void)kept->sample(i, 1e-3, 1000);
+  (void)kept->sample(8.0, 1e-3, 1000);
+  EXPECT_EQ(counting->calls, 9);
+  (void)kept->sample(0.0, 1e-3, 1000);
+  EXPECT_EQ(counting->calls, 10);
+}
+
+TEST(RememberedSignal, RefusesWhatTheSignalRefuses) {
+  EXPECT_THROW((void)remembered(make_random({}))->sample(0.0, -1.0, 2000), InvalidInput);
+  EXPECT_THROW((void)remembered(make_random({}))->sample(nan, 1.0, 2000), InvalidInput);
 }
 
 }  // namespace

@@ -61,23 +61,6 @@ void set_damping(FiniteElementDamping& damping, const FiniteElementParameter& pa
   if (parameter.kind == Kind::all_modal_ratios) std::ranges::fill(damping.modal_ratios.values, value);
 }
 
-Layer layer_named(const Gauge& gauge) {
-  for (const Layer layer : {Layer::top, Layer::middle, Layer::bottom})
-    if (gauge.surface == to_string(layer)) return layer;
-  throw InvalidInput("strain gauge '" + gauge.name + "': surface is '" + gauge.surface + "'",
-                     "a shell has a top, a middle and a bottom", "give one of these names");
-}
-
-GaugeDescription description_of(const Gauge& gauge) {
-  GaugeDescription description{.name = gauge.name,
-                               .place = gauge.place,
-                               .direction = gauge.direction,
-                               .fibre = gauge.fibre,
-                               .region = gauge.region};
-  if (!gauge.surface.empty()) description.surface = layer_named(gauge);
-  return description;
-}
-
 /// Looks the names of one description up and builds the part.
 class PartBuilder {
 public:
@@ -152,7 +135,7 @@ private:
 
   void place_gauges() {
     for (const auto& gauge : given_.gauges()) try {
-        part_.gauges.push_back(place_gauge(part_.elements, description_of(gauge)));
+        part_.gauges.push_back(place_gauge(part_.elements, gauge));
       } catch (const InvalidInput& error) {
         issues_.add(error, {});
       }
@@ -225,7 +208,7 @@ FiniteElements& FiniteElements::node(const std::string& name, const Eigen::Vecto
   return *this;
 }
 
-FiniteElements& FiniteElements::gauge(Gauge gauge) {
+FiniteElements& FiniteElements::gauge(GaugeDescription gauge) {
   gauges_.push_back(std::move(gauge));
   return *this;
 }

@@ -10,19 +10,10 @@
 #include <vector>
 
 #include "kalfem/model/finite_element_model.hpp"
+#include "kalfem/model/gauges/gauge_description.hpp"
 #include "kalfem/reduction/superelement.hpp"
 
 namespace kalfem {
-
-/// A strain gauge that is bonded to an element: it measures the normal strain along its direction.
-struct Gauge {
-  std::string name;
-  std::variant<Eigen::Vector3d, std::int64_t> place;  ///< in global axes [m], or the centre of an element by its number
-  std::optional<Eigen::Vector3d> direction = {};      ///< in global axes, of any length; not needed on a beam
-  std::string surface = {};                   ///< "top", "middle" or "bottom" of a shell, by the normal of its element
-  std::optional<Eigen::Vector2d> fibre = {};  ///< of a beam: local y and z from the centroid [m]; empty: the centroid
-  std::string region = {};                    ///< only elements of this region; empty: of all
-};
 
 /// A finite-element substructure as you describe it:
 ///     FiniteElements("frame", read_deck("frame.bdf").model).node("tip", 12).modal_damping({0.01}).reduce()
@@ -37,8 +28,8 @@ public:
   /// Names the node that is nearest to a place [m].
   FiniteElements& node(const std::string& name, const Eigen::Vector3d& place);
   /// Bonds a strain gauge to an element: gauge({.name = "g1", .place = Eigen::Vector3d(0.5, 0.0, 0.06), .direction =
-  /// Eigen::Vector3d::UnitX(), .surface = "top"}). Its strain is strain("frame.g1").
-  FiniteElements& gauge(Gauge gauge);
+  /// Eigen::Vector3d::UnitX(), .surface = Layer::top}). Its strain is strain("frame.g1").
+  FiniteElements& gauge(GaugeDescription gauge);
   /// Holds all six motions of a named node.
   FiniteElements& fix(const std::string& node);
   /// Damping ratios, one per mode; the last one applies to all further modes up to a frequency [Hz].
@@ -68,7 +59,7 @@ private:
   std::string name_;
   FiniteElementModel model_;
   std::vector<NodePlace> nodes_;
-  std::vector<Gauge> gauges_;
+  std::vector<GaugeDescription> gauges_;
   std::vector<std::string> fixed_, boundary_;
   Damping damping_;
   std::optional<ReductionRequest> reduction_;

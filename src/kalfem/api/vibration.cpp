@@ -55,8 +55,8 @@ CoupledModel coupled(const Structure& structure) {
 std::string point_of(const OutputDescription& output) {
   const bool single = output.points.size() == 1 && output.points.begin()->second == 1.0;
   if (!single || output.relative_to_base)
-    throw InvalidInput("output '" + output.name + "' is not the motion of one point",
-                       "frequency responses are absolute motions of points", "ask for each point by itself");
+    throw InvalidInput("output '" + output.name + "' is not the motion of one point or the strain of one gauge",
+                       "frequency responses are of absolute motions and of strains", "ask for each by itself");
   return output.points.begin()->first;
 }
 
@@ -69,8 +69,7 @@ ResponseQuantity quantity_of(const OutputDescription& output) {
     case ObservedQuantity::acceleration:
       return ResponseQuantity::acceleration;
     case ObservedQuantity::strain:
-      throw InvalidInput("output '" + point_of(output) + "' is of a strain gauge",
-                         "frequency responses are motions of points", "ask for the motion of a node");
+      return ResponseQuantity::strain;
     default:
       throw InvalidInput("output '" + point_of(output) + "' is of a connector",
                          "frequency responses are motions of points", "ask for the motion of its ends");
@@ -119,10 +118,11 @@ Eigen::MatrixXcd frequency_responses(const Structure& structure, const VectorXd&
   const FrfEvaluation evaluation =
       FrfModel(model, sets, frequencies.maxCoeff(), VectorXd()).evaluate(VectorXd(), false);
   Eigen::MatrixXcd values(frequencies.size(), std::ssize(outputs));
-  for (Index i = 0; i < frequencies.size(); ++i)
-    for (std::size_t j = 0; j < outputs.size(); ++j)
-      values(i, static_cast<Index>(j)) =
-          evaluation.at(j, std::complex<double>(0.0, 2.0 * std::numbers::pi * frequencies[i])).values[0];
+  for (Index i = 0; i < frequencies.size(); ++i) {
+    const std::complex<double> s(0.0, 2.0 * std::numbers::pi * frequencies[i]);
+    if (evaluation.is_singular(s)) throw singular_at(frequencies[i]);
+    for (std::size_t j = 0; j < outputs.size(); ++j) values(i, static_cast<Index>(j)) = evaluation.at(j, s).values[0];
+  }
   return values;
 }
 

@@ -28,8 +28,9 @@ StructureModes modes_of(const Structure& structure, const std::string& substruct
 
 /// Frequency responses H(f) of the structure, linear about rest, with motions exp(+i 2 pi f t): lines x outputs.
 /// `input`: a force or a moved ground of the structure by its name, or a point at which a unit force acts. `outputs`:
-/// absolute motions of points, acceleration("body.3"), per newton or per metre of the ground. Throws InvalidInput for
-/// unknown names, frequencies that are negative or not finite, and outputs of connectors.
+/// absolute motions of points, acceleration("body.3"), and strains of gauges, strain("frame.g1"), per newton or per
+/// metre of the ground. Throws InvalidInput for unknown names, outputs of connectors, and frequencies that are
+/// negative, not finite or those of an undamped resonance.
 Eigen::MatrixXcd frequency_responses(const Structure& structure, const Eigen::VectorXd& frequencies,
                                      const std::string& input, const std::vector<OutputDescription>& outputs);
 

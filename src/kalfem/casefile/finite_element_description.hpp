@@ -118,9 +118,16 @@ struct MatrixFiles {
   std::optional<Located<std::filesystem::path>> coordinates;
   UnitSystem units;
 };
+/// A turn about an axis through a point, by the right-hand rule.
+struct Turn {
+  std::array<double, 3> axis{};   ///< direction, of any length but 0
+  double angle = 0.0;             ///< [rad]
+  std::array<double, 3> about{};  ///< a point of the axis [m]
+};
 struct FiniteElements {
   std::variant<MeshFile, TableFiles, DeckFile, MatrixFiles> source;
-  std::array<double, 3> translate{};  ///< of all nodes [m]
+  std::optional<Turn> rotate;         ///< of all that the source holds
+  std::array<double, 3> translate{};  ///< of all nodes, after the turn [m]
   Named<Material> materials;
   Named<Region> regions;
   Named<Located<NodePlace>> nodes;

@@ -1,3 +1,5 @@
+#include <numbers>
+
 #include "kalfem/casefile/case_schema.hpp"
 #include "kalfem/casefile/plausible.hpp"
 #include "kalfem/yaml/map_schema.hpp"
@@ -151,6 +153,21 @@ Schema<UnitSystem> units() {
           .optional("time", &UnitSystem::time, number("s", Bounds::positive()), "unit of time, such as 1 s"));
 }
 
+Schema<Turn> turn() {
+  constexpr double full_turn = 2.0 * std::numbers::pi * (1.0 + 1e-12);
+  return mapping(
+      Fields<Turn>()
+          .required("axis", &Turn::axis, tuple<3>(number("-")), "direction of the axis")
+          .required("angle", &Turn::angle, number("rad", Bounds::between(-full_turn, full_turn)),
+                    "by the right-hand rule: 90 deg, 0.5 rad")
+          .optional("about", &Turn::about, tuple<3>(number("m", plausible::position())),
+                    "a point of the axis; default: the origin")
+          .check([](const Turn& given) -> std::vector<Issue> {
+            if (given.axis != std::array<double, 3>{} && given.angle != 0.0) return {};
+            return {{{}, "the turn has no axis or no angle", "it has no effect", "give both, or leave it out"}};
+          }));
+}
+
 Schema<MatrixSet> matrix_set() {
   return mapping(
       Fields<MatrixSet>()
@@ -222,8 +239,11 @@ Schema<FiniteElements> finite_elements() {
           .one_of(&FiniteElements::source, when(mesh),
                   when("tables", mapping(tables), "tables of nodes and beam elements (stick model)"), when(deck),
                   when(matrices))
+          .optional("rotate", &FiniteElements::rotate, turn(),
+                    "turn of all that the file holds, with its local axes, supports, springs, loads and the beams of "
+                    "`regions`, before anything else refers to it: one file at several places")
           .optional("translate", &FiniteElements::translate, tuple<3>(number("m", plausible::position())),
-                    "displacement of all nodes before anything else refers to their places: one file at several places")
+                    "displacement of all nodes, after the turn, before anything else refers to their places")
           .optional("materials", &FiniteElements::materials, named(material()),
                     "materials by name; for a deck: those to replace")
           .optional("regions", &FiniteElements::regions, named(region()),

@@ -20,7 +20,7 @@ using FrequencyLines = std::variant<FrequencyBandLines, std::vector<double>>;
 
 struct ResponseOutput {
   ResponseQuantity quantity = ResponseQuantity::acceleration;
-  Name point;
+  Name point;  ///< of strains a gauge
 };
 
 enum class ResponseModel { full, reduced, both };

@@ -58,7 +58,7 @@ struct OutputOf {
 };
 struct WrittenOutput {
   std::variant<OutputOf<ResponseQuantity::displacement>, OutputOf<ResponseQuantity::velocity>,
-               OutputOf<ResponseQuantity::acceleration>>
+               OutputOf<ResponseQuantity::acceleration>, OutputOf<ResponseQuantity::strain>>
       observed;
 };
 
@@ -76,7 +76,8 @@ Schema<ResponseOutput> output() {
   const auto written = mapping(Fields<WrittenOutput>().one_of(
       &WrittenOutput::observed, output_of<displacement>("displacement", "point: receptance, m/N"),
       output_of<velocity>("velocity", "point: mobility, (m/s)/N"),
-      output_of<acceleration>("acceleration", "point: accelerance, (m/s^2)/N")));
+      output_of<acceleration>("acceleration", "point: accelerance, (m/s^2)/N"),
+      output_of<strain>("strain", "strain gauge: (m/m)/N")));
   return convert<ResponseOutput>(
       written,
       [](const WrittenOutput& given) {
@@ -92,6 +93,8 @@ Schema<ResponseOutput> output() {
             return WrittenOutput{OutputOf<displacement>{given.point}};
           case velocity:
             return WrittenOutput{OutputOf<velocity>{given.point}};
+          case strain:
+            return WrittenOutput{OutputOf<strain>{given.point}};
           case acceleration:
             break;
         }
@@ -123,7 +126,7 @@ Schema<FrequencyResponses> frequency_responses() {
                     "the lines: a list, or so many of them in a band")
           .required("inputs", &FrequencyResponses::inputs, list(name(), 1),
                     "points at which a unit force acts, and grounds that move by a unit displacement")
-          .required("outputs", &FrequencyResponses::outputs, list(output(), 1), "motions that answer")
+          .required("outputs", &FrequencyResponses::outputs, list(output(), 1), "motions and strains that answer")
           .optional("model", &FrequencyResponses::model,
                     located(choice<ResponseModel>(
                         {{"full", ResponseModel::full, "finite elements with all their degrees of freedom"},

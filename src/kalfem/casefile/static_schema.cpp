@@ -35,7 +35,11 @@ Schema<StaticCase> static_case() {
           .required("on", &StaticPressure::on, name(),
                     "region of shells, group of surfaces on solids, or group of nodes that holds whole faces")
           .required("pressure", &StaticPressure::pressure, number("Pa"),
-                    "pushes into solids, and against the normal of shells (their nodes by the right-hand rule)");
+                    "pushes into solids, and against the normal of shells (their nodes by the right-hand rule)")
+          .check([](const StaticPressure& given) -> std::vector<Issue> {
+            if (given.pressure != 0.0) return {};
+            return {{{}, "the pressure is zero", "it has no effect", "give `pressure`, or leave it out"}};
+          });
   const auto rotation =
       Fields<StaticRotation>()
           .required("axis", &StaticRotation::axis, tuple<3>(number("-")), "direction of the axis")

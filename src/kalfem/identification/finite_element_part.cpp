@@ -57,8 +57,9 @@ ModeSelection modes_for(const ReductionRequest& request, double bandwidth) {
 }
 
 // Where the units are in doubt they are told first: constraints and springs in wrong units look like mechanisms.
-void require_no_mechanism(const FiniteElementModel& elements, const AssembledModel& assembled) {
-  const auto free = find_mechanisms(elements, assembled);
+void require_no_mechanism(const FiniteElementModel& elements, const AssembledModel& assembled,
+                          const SparseMatrix& stiffness) {
+  const auto free = find_mechanisms(elements, assembled, stiffness);
   if (free.empty()) return;
   std::string names;
   for (std::size_t i = 0; i < std::min<std::size_t>(free.size(), 10); ++i) names += (i == 0 ? "" : ", ") + free[i];
@@ -82,8 +83,8 @@ void add_preload(const SparseMatrix& preload, AssembledModel& assembled) {
     add_to(constant->matrix, own);
 }
 
-void require_stable(const FiniteElementPart& part) try {
-  SparseFactor(evaluate(part.assembled.stiffness, part.assembled.parameters));
+void require_stable(const FiniteElementPart& part, const SparseMatrix& stiffness) try {
+  SparseFactor{stiffness};
 } catch (const NotPositiveDefinite&) {
   throw InvalidInput("the preload of '" + part.name + "' is beyond its buckling load or critical speed",
                      "its stiffness under this load is not positive definite", "reduce the load or add supports");
@@ -91,27 +92,55 @@ void require_stable(const FiniteElementPart& part) try {
 
 /// The factor of K, which shows at once that the part is neither a mechanism nor beyond its buckling load; where there
 /// is none, the cause is looked for.
-std::shared_ptr<const StiffnessFactor> checked_factor(const FiniteElementPart& part) {
+std::shared_ptr<const StiffnessFactor> checked_factor(const FiniteElementPart& part, const SparseMatrix& stiffness,
+                                                      const SparseMatrix& mass) {
   if (part.elements.mesh.cells.empty() && part.preload_stiffness.size() == 0) return nullptr;
-  if (auto factor = factor_held(part.elements, part.assembled))
+  if (auto factor = factor_held(part.elements, part.assembled, stiffness, mass))
     return std::make_shared<const StiffnessFactor>(std::move(*factor));
-  if (part.preload_stiffness.size() > 0) require_stable(part);
-  if (!part.elements.mesh.cells.empty()) require_no_mechanism(part.elements, part.assembled);
+  if (part.preload_stiffness.size() > 0) require_stable(part, stiffness);
+  if (!part.elements.mesh.cells.empty()) require_no_mechanism(part.elements, part.assembled, stiffness);
   return nullptr;
+}
+
+/// The sum of the terms; without parameters that change them it takes their place, and they are left empty.
+SparseMatrix sum_of(std::vector<AffineTerm>& terms, const AssembledModel& assembled, bool constant) {
+  if (!constant) return evaluate(terms, assembled.parameters);
+  SparseMatrix sum = std::move(terms.front().matrix);
+  terms.clear();
+  return sum;
 }
 
 }  // namespace
 
-void assemble_part(FiniteElementPart& part, const AssemblyOptions& options) {
-  require_connected(part.elements);
-  part.assembled = assemble(part.elements, options);
-  if (part.preload_stiffness.size() > 0) add_preload(part.preload_stiffness, part.assembled);
-  part.factor = checked_factor(part);
+// Without parameters K and M exist once, in the full model.
+void assemble_part(FiniteElementPart& part, AssemblyOptions options) {
+  const bool constant = options.parameters.empty();
+  options.at_present_values = constant;
+  SparseMatrix stiffness, mass;
+  part.times.measure("assemble", [&] {
+    require_connected(part.elements);
+    part.assembled = assemble(part.elements, options);
+    if (part.assembled.size() == 0)
+      throw InvalidInput("nothing of substructure '" + part.name + "' can move",
+                         "its supports hold every node that elements, springs or masses act on", "hold fewer nodes");
+    if (part.preload_stiffness.size() > 0) add_preload(part.preload_stiffness, part.assembled);
+    stiffness = sum_of(part.assembled.stiffness, part.assembled, constant);
+    mass = sum_of(part.assembled.mass, part.assembled, constant);
+  });
+  part.times.measure("factor", [&] { part.factor = checked_factor(part, stiffness, mass); });
   part.mass = mass_properties(part.assembled);
-  part.moving_mass = moving_mass(part.elements, part.assembled);
-  part.full = linear_model(part.elements, part.assembled, part.nodes, part.damping.rayleigh);
+  part.moving_mass = moving_mass(part.elements, part.assembled, mass);
+  part.full = linear_model(part.elements, part.assembled, std::move(stiffness), std::move(mass), part.nodes,
+                           part.damping.rayleigh);
   part.full.gauges = gauge_combinations(part.elements, part.assembled, part.gauges);
   part.full.points_only = true;
+}
+
+AssembledModel with_terms(const FiniteElementPart& part) {
+  AssembledModel assembled = part.assembled;
+  if (assembled.stiffness.empty()) assembled.stiffness.push_back({{}, part.full.stiffness});
+  if (assembled.mass.empty()) assembled.mass.push_back({{}, part.full.mass});
+  return assembled;
 }
 
 Superelement reduce(const FiniteElementPart& part, const ReductionRequest& request, double sensor_bandwidth) {

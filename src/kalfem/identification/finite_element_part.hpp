@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "kalfem/base/phase_times.hpp"
 #include "kalfem/model/assembly/assembly.hpp"
 #include "kalfem/model/assembly/fe_linear_model.hpp"
 #include "kalfem/model/assembly/rigid_body.hpp"
@@ -19,8 +20,8 @@ namespace kalfem {
 struct FiniteElementPart {
   std::string name;
   FiniteElementModel elements;
-  AssembledModel assembled;
-  MassProperties mass;                                    ///< with the fixed degrees of freedom
+  AssembledModel assembled;  ///< without its terms where no parameter changes them: `full` has their sums
+  MassProperties mass;       ///< with the fixed degrees of freedom
   Eigen::Vector3d moving_mass = Eigen::Vector3d::Zero();  ///< that the free part moves along x, y, z [kg]
   std::vector<NamedNode> nodes;
   std::map<std::string, std::vector<Eigen::Index>> load_groups = {};  ///< cells of the groups that loads name
@@ -28,6 +29,7 @@ struct FiniteElementPart {
   SparseMatrix preload_stiffness = {};                 ///< of stresses that it carries, 6 to a node; empty: none
   std::shared_ptr<const StiffnessFactor> factor = {};  ///< of `full`, where it is at hand
   LinearModel full;                                    ///< with its damping
+  PhaseTimes times = {};                               ///< of its making: "read", "assemble", "factor"
   FiniteElementDamping damping;                        ///< included in `full`, with its dashpots
   std::vector<std::string> boundary;     ///< names of the degrees of freedom that the rest of the structure touches
   std::vector<StrainGauge> gauges = {};  ///< whose strains are gauges of `full`
@@ -37,7 +39,10 @@ using FiniteElementPartPtr = std::shared_ptr<const FiniteElementPart>;
 /// Assembles what the part's `elements`, `preload_stiffness`, `nodes`, `gauges` and `damping` say: matrices, masses,
 /// and the full model with Rayleigh damping and dashpots, without modal damping. Throws InvalidInput as assemble()
 /// does, and where the elements do not hang together or are a mechanism, or the preload is beyond the buckling load.
-void assemble_part(FiniteElementPart& part, const AssemblyOptions& options);
+void assemble_part(FiniteElementPart& part, AssemblyOptions options);
+
+/// The assembled model with its terms, one each where no parameter changes them.
+AssembledModel with_terms(const FiniteElementPart& part);
 
 /// A finite-element substructure in the orders of model that are used beside each other.
 struct FiniteElementSubstructure {

@@ -79,6 +79,11 @@ public:
       return choice;
     }
     Estimates coarse = estimates_of(setup_, first, substeps_.first);
+    choice.words = "from the change of the estimates with the substeps";
+    if (const auto bias = bias_against_half_of(coarse); bias && bias->maxCoeff() <= substeps_.largest_bias) {
+      choice.bias = *bias;
+      return choice;
+    }
     for (int next = 2 * substeps_.first;; next = enough(choice)) {
       if (next > most()) {
         choice.limited = choice.bias.size() == 0 || choice.bias.maxCoeff() > substeps_.largest_bias;
@@ -111,11 +116,18 @@ public:
       if (change.maxCoeff() <= substeps_.largest_bias) break;
       coarse = *fine;
     }
-    choice.words = "from the change of the estimates with the substeps";
     return choice;
   }
 
 private:
+  /// What is left of the bias with these substeps. Nothing where the filter fails with half of them, or runs with one.
+  [[nodiscard]] std::optional<VectorXd> bias_against_half_of(const Estimates& estimates) const {
+    if (estimates.substeps < 2) return std::nullopt;
+    const auto coarse = run_with(estimates.substeps / 2);
+    if (!coarse) return std::nullopt;
+    return distance(setup_, *coarse, estimates) / (square_of_ratio(estimates.substeps, coarse->substeps) - 1.0);
+  }
+
   /// The most substeps for which the inputs at all of them can be held.
   [[nodiscard]] int most() const {
     const auto values = 3.0 * static_cast<double>(std::max<std::size_t>(1, setup_.input_sources.size())) *

@@ -10,6 +10,8 @@
 extern "C" {
 [[gnu::weak]] void openblas_set_num_threads(int count);
 [[gnu::weak]] int openblas_get_num_threads();
+[[gnu::weak]] void omp_set_max_active_levels(int levels);
+[[gnu::weak]] int omp_get_max_active_levels();
 }
 
 namespace kalfem {
@@ -19,6 +21,16 @@ void keep_blas_to_one_thread() {
   std::call_once(done, [] {
     if (openblas_set_num_threads != nullptr) openblas_set_num_threads(1);
   });
+}
+
+OneOpenMpThread::OneOpenMpThread() {
+  if (omp_get_max_active_levels == nullptr) return;
+  levels_ = omp_get_max_active_levels();
+  omp_set_max_active_levels(0);
+}
+
+OneOpenMpThread::~OneOpenMpThread() {
+  if (omp_set_max_active_levels != nullptr) omp_set_max_active_levels(levels_);
 }
 
 int blas_threads() { return openblas_get_num_threads != nullptr ? openblas_get_num_threads() : 0; }

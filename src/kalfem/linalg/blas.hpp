@@ -26,4 +26,17 @@ std::optional<std::string> blas_warning(const std::string& kernels, bool has_avx
 /// Name of the kernels that OpenBLAS chose; empty where the library is another one.
 std::string blas_kernels();
 
+/// While it lives, parallel regions of OpenMP that begin in this thread have one thread. CHOLMOD asks for four in its
+/// factorisation, which on fewer processors spend their time waiting for each other.
+class OneOpenMpThread {
+public:
+  OneOpenMpThread();
+  ~OneOpenMpThread();
+  OneOpenMpThread(const OneOpenMpThread&) = delete;
+  OneOpenMpThread& operator=(const OneOpenMpThread&) = delete;
+
+private:
+  int levels_ = 0;  ///< of nested regions with several threads that were allowed before
+};
+
 }  // namespace kalfem

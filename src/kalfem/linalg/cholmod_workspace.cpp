@@ -22,7 +22,7 @@ cholmod_sparse sparse_view(const LowerTriangle& matrix) {
   view.p = const_cast<std::int64_t*>(matrix.starts.data());
   view.i = const_cast<std::int64_t*>(matrix.rows.data());
   view.x = const_cast<double*>(matrix.values.data());
-  view.stype = -1;
+  view.stype = 1;
   view.itype = CHOLMOD_LONG;
   view.xtype = CHOLMOD_REAL;
   view.dtype = CHOLMOD_DOUBLE;
@@ -99,7 +99,10 @@ CholmodWorkspace::~CholmodWorkspace() {
 
 void CholmodWorkspace::factorize(const LowerTriangle& matrix) {
   cholmod_sparse view = sparse_view(matrix);
-  cholmod_l_factorize(&view, factor_, &common_);
+  {
+    const OneOpenMpThread alone;  // its own four only wait for each other
+    cholmod_l_factorize(&view, factor_, &common_);
+  }
   if (common_.status == CHOLMOD_NOT_POSDEF) throw NotPositiveDefinite(given_column(factor_->minor));
   if (common_.status < CHOLMOD_OK) fail();
   check_pivots(matrix);

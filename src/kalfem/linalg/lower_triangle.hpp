@@ -5,27 +5,35 @@
 #include <cstdint>
 #include <vector>
 
+#include "kalfem/base/hash.hpp"
+
 namespace kalfem {
 
-/// The lower triangle of a symmetric matrix by columns, with 64-bit indices: those of its factor may exceed 32 bits
-/// where its own do not.
+/// The upper triangle of a symmetric matrix by columns, which CHOLMOD turns into its own form with one copy. With
+/// 64-bit indices: those of the factor may exceed 32 bits where the matrix's own do not. `springs`, n x 1, are added to the diagonal, where they are given.
 struct LowerTriangle {
-  explicit LowerTriangle(const Eigen::SparseMatrix<double>& matrix) : size(matrix.rows()), diagonal(matrix.diagonal()) {
+  explicit LowerTriangle(const Eigen::SparseMatrix<double>& matrix, const Eigen::VectorXd& springs = {})
+      : size(matrix.rows()), diagonal(matrix.diagonal()) {
+    if (springs.size() > 0) diagonal += springs;
     starts.push_back(0);
     rows.reserve(static_cast<std::size_t>(matrix.nonZeros() / 2 + size) + 1);  // never without memory: CHOLMOD
     values.reserve(rows.capacity());                                           // refuses null pointers
     for (Eigen::Index column = 0; column < size; ++column) {
       for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, column); it; ++it)
-        if (it.row() >= column) {
+        if (it.row() <= column) {
           rows.push_back(it.row());
-          values.push_back(it.value());
+          values.push_back(it.row() == column ? diagonal[column] : it.value());
         }
       starts.push_back(static_cast<std::int64_t>(rows.size()));
     }
   }
 
-  [[nodiscard]] bool same_pattern(const LowerTriangle& other) const {
-    return starts == other.starts && rows == other.rows;
+  /// A number that another pattern does not have.
+  [[nodiscard]] std::uint64_t pattern() const {
+    Hash hash;
+    for (const auto* numbers : {&starts, &rows})
+      hash.add({reinterpret_cast<const char*>(numbers->data()), numbers->size() * sizeof(std::int64_t)});
+    return hash.value();
   }
 
   Eigen::Index size;

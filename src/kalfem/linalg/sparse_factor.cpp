@@ -17,21 +17,20 @@ NotPositiveDefinite::NotPositiveDefinite(Index column)
                          std::to_string(column)),
       column_(column) {}
 
-/// The pattern that was analysed, without values once these are factored, and the library that factors.
+/// The library that factors, and what the next matrix must have in common with the one that was analysed.
 struct SparseFactor::Workspace {
-  Workspace(LowerTriangle given, const EliminationOrder& order)
-      : matrix(std::move(given)), factor(make_factor_workspace(matrix, order)) {}
-
-  void factorize() {
+  Workspace(const LowerTriangle& matrix, const EliminationOrder& order)
+      : size(matrix.size), pattern(matrix.pattern()), factor(make_factor_workspace(matrix, order)) {
     factor->factorize(matrix);
-    matrix.values = {};
   }
 
-  LowerTriangle matrix;
+  Index size;
+  std::uint64_t pattern;
   std::unique_ptr<FactorWorkspace> factor;
 };
 
-SparseFactor::SparseFactor(const Eigen::SparseMatrix<double>& matrix, const EliminationOrder& order) {
+SparseFactor::SparseFactor(const Eigen::SparseMatrix<double>& matrix, const EliminationOrder& order,
+                           const Eigen::VectorXd& springs) {
   if (matrix.rows() != matrix.cols())
     throw InvalidInput("a " + std::to_string(matrix.rows()) + " x " + std::to_string(matrix.cols()) + " matrix",
                        "only a square matrix has a Cholesky factor", "pass a symmetric matrix");
@@ -39,8 +38,7 @@ SparseFactor::SparseFactor(const Eigen::SparseMatrix<double>& matrix, const Elim
     throw InvalidInput(
         "an order of " + std::to_string(order.size()) + " rows for a matrix of " + std::to_string(matrix.rows()),
         "it must contain each row once", "pass the order of a factor of the same size");
-  workspace_ = std::make_unique<Workspace>(LowerTriangle(matrix), order);
-  workspace_->factorize();
+  workspace_ = std::make_unique<Workspace>(LowerTriangle(matrix, springs), order);
 }
 
 SparseFactor::~SparseFactor() = default;
@@ -48,12 +46,11 @@ SparseFactor::SparseFactor(SparseFactor&&) noexcept = default;
 SparseFactor& SparseFactor::operator=(SparseFactor&&) noexcept = default;
 
 void SparseFactor::refactor(const Eigen::SparseMatrix<double>& matrix) {
-  LowerTriangle given(matrix);
-  if (given.size != size() || !given.same_pattern(workspace_->matrix))
+  const LowerTriangle given(matrix);
+  if (given.size != size() || given.pattern() != workspace_->pattern)
     throw InvalidInput("the matrix has a different pattern from the one analysed", "its factor has a different size",
                        "make a new SparseFactor or keep explicit zeros");
-  workspace_->matrix = std::move(given);
-  workspace_->factorize();
+  workspace_->factor->factorize(given);
 }
 
 void SparseFactor::solve(const Eigen::Ref<const MatrixXd>& right_side, Eigen::Ref<MatrixXd> solution) const {
@@ -67,7 +64,7 @@ MatrixXd SparseFactor::solve(const Eigen::Ref<const MatrixXd>& right_side) const
   return solution;
 }
 
-Index SparseFactor::size() const { return workspace_->matrix.size; }
+Index SparseFactor::size() const { return workspace_->size; }
 EliminationOrder SparseFactor::order() const { return workspace_->factor->order(); }
 double SparseFactor::nonzeros() const { return workspace_->factor->nonzeros(); }
 double SparseFactor::bytes() const { return workspace_->factor->bytes(); }

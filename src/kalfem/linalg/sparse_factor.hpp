@@ -31,15 +31,16 @@ using EliminationOrder = std::vector<std::int64_t>;
 /// Solving does not allocate once it was done with as many right-hand sides; one thread at a time.
 class SparseFactor {
 public:
-  /// Only the lower triangle is read. Throws NotPositiveDefinite, and InvalidInput where A is not square.
+  /// Only the upper triangle is read. Throws NotPositiveDefinite, and InvalidInput where A is not square.
   /// With an `order` of a matrix with the same pattern none is looked for, which is a good part of the work; of
-  /// another size it is refused with InvalidInput.
-  explicit SparseFactor(const Eigen::SparseMatrix<double>& matrix, const EliminationOrder& order = {});
+  /// another size it is refused with InvalidInput. `springs`, n x 1, are added to the diagonal, where they are given.
+  explicit SparseFactor(const Eigen::SparseMatrix<double>& matrix, const EliminationOrder& order = {},
+                        const Eigen::VectorXd& springs = {});
   ~SparseFactor();
   SparseFactor(SparseFactor&&) noexcept;
   SparseFactor& operator=(SparseFactor&&) noexcept;
 
-  /// Another matrix with the same pattern in its lower triangle: the symbolic analysis is kept. Throws
+  /// Another matrix with the same pattern in its upper triangle: the symbolic analysis is kept. Throws
   /// NotPositiveDefinite, after which only another refactor() makes sense, and InvalidInput where the pattern differs.
   void refactor(const Eigen::SparseMatrix<double>& matrix);
 

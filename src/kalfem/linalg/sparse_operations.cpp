@@ -65,13 +65,18 @@ Eigen::SparseMatrix<double> select(const Eigen::SparseMatrix<double>& matrix, co
                                    const std::vector<Index>& columns) {
   std::vector<Index> position(static_cast<std::size_t>(matrix.rows()), -1);
   for (std::size_t i = 0; i < rows.size(); ++i) position[static_cast<std::size_t>(rows[i])] = static_cast<Index>(i);
-  std::vector<Eigen::Triplet<double>> entries;
-  for (std::size_t j = 0; j < columns.size(); ++j)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, columns[j]); it; ++it)
-      if (const Index i = position[static_cast<std::size_t>(it.row())]; i >= 0)
-        entries.emplace_back(i, static_cast<Index>(j), it.value());
+  const auto visit = [&](auto visitor) {
+    for (std::size_t j = 0; j < columns.size(); ++j)
+      for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, columns[j]); it; ++it)
+        if (const Index i = position[static_cast<std::size_t>(it.row())]; i >= 0)
+          visitor(i, static_cast<Index>(j), it.value());
+  };
+  Eigen::VectorXi counts = Eigen::VectorXi::Zero(static_cast<Index>(columns.size()));
+  visit([&](Index, Index j, double) { ++counts[j]; });
   Eigen::SparseMatrix<double> block(static_cast<Index>(rows.size()), static_cast<Index>(columns.size()));
-  block.setFromTriplets(entries.begin(), entries.end());
+  block.reserve(counts);
+  visit([&](Index i, Index j, double value) { block.insert(i, j) = value; });  // at the end where rows ascend
+  block.makeCompressed();
   return block;
 }
 

@@ -28,24 +28,15 @@ double natural_shift(const Matrix& stiffness, const Matrix& mass) {
 }
 
 /// Nothing where the matrix is singular, or a pivot is so small that it may be the rounding of a large model's zero.
-std::optional<SparseFactor> safely_definite(const Matrix& matrix, const EliminationOrder& order = {}) {
+std::optional<SparseFactor> safely_definite(const Matrix& matrix, const EliminationOrder& order,
+                                            const VectorXd& springs = {}) {
   try {
-    SparseFactor factor(matrix, order);
+    SparseFactor factor(matrix, order, springs);
     if (factor.smallest_pivot() < doubtful_pivot) return {};
     return factor;
   } catch (const NotPositiveDefinite&) {
     return {};
   }
-}
-
-/// Degrees of freedom that hold the motions best: those of the pivots of R^T, each row of R by the stiffness there, so
-/// that rotations and translations compare.
-std::vector<Index> supports(const Matrix& stiffness, const MatrixXd& motions) {
-  if (motions.cols() == 0) return {};
-  const VectorXd scale = stiffness.diagonal().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::ColPivHouseholderQR<MatrixXd> pivots(MatrixXd(motions.transpose() * scale.asDiagonal()));
-  const auto order = pivots.colsPermutation().indices().head(motions.cols());
-  return {order.begin(), order.end()};
 }
 
 }  // namespace
@@ -79,7 +70,7 @@ std::optional<StiffnessFactor> factor_held(const Matrix& stiffness, const Matrix
   const MatrixXd momentum = mass * motions;
   const Eigen::LLT<MatrixXd> gram(motions.transpose() * momentum);
   if (motions.cols() > 0 && (gram.info() != Eigen::Success || gram.rcond() < 1e-12)) return {};
-  auto factor = safely_definite(held_stiffness(stiffness, motions));
+  auto factor = safely_definite(stiffness, {}, supports(stiffness, motions));
   if (!factor) return {};
   const auto orthonormal = [&](const MatrixXd& columns) -> MatrixXd {
     return gram.matrixU().solve<Eigen::OnTheRight>(columns);
@@ -87,10 +78,16 @@ std::optional<StiffnessFactor> factor_held(const Matrix& stiffness, const Matrix
   return StiffnessFactor{std::move(*factor), 0.0, orthonormal(motions), orthonormal(momentum)};
 }
 
-Matrix held_stiffness(const Matrix& stiffness, const MatrixXd& motions) {
-  Matrix held = stiffness;
-  for (const Index dof : supports(stiffness, motions)) held.coeffRef(dof, dof) *= 2.0;
-  return held;
+// The best degrees of freedom are those of the pivots of R^T, each row of R by the stiffness there, so that rotations
+// and translations compare.
+VectorXd supports(const Matrix& stiffness, const MatrixXd& motions) {
+  const VectorXd diagonal = stiffness.diagonal();
+  VectorXd springs = VectorXd::Zero(diagonal.size());
+  if (motions.cols() == 0) return springs;
+  const MatrixXd scaled = motions.transpose() * diagonal.cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const Eigen::ColPivHouseholderQR<MatrixXd> pivots(scaled);
+  for (const Index dof : pivots.colsPermutation().indices().head(motions.cols())) springs[dof] = diagonal[dof];
+  return springs;
 }
 
 bool moves_rigidly(const Matrix& stiffness, const Eigen::Ref<const VectorXd>& shape) {

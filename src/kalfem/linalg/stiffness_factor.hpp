@@ -43,10 +43,9 @@ StiffnessFactor factor_stiffness(const Eigen::SparseMatrix<double>& stiffness, c
 std::optional<StiffnessFactor> factor_held(const Eigen::SparseMatrix<double>& stiffness,
                                            const Eigen::SparseMatrix<double>& mass, const Eigen::MatrixXd& motions);
 
-/// K with springs as stiff as K_jj at a statically determinate support against `motions`, n x r: the degrees of freedom
-/// that hold these best.
-Eigen::SparseMatrix<double> held_stiffness(const Eigen::SparseMatrix<double>& stiffness,
-                                           const Eigen::MatrixXd& motions);
+/// The diagonal of springs, as stiff as K_jj, of a statically determinate support against `motions`, n x r: at the
+/// degrees of freedom that hold these best.
+Eigen::VectorXd supports(const Eigen::SparseMatrix<double>& stiffness, const Eigen::MatrixXd& motions);
 
 /// Whether phi^T K phi <= 1e-12 sum_j K_jj phi_j^2: the strain energy is rounding of the energies that cancel in it.
 bool moves_rigidly(const Eigen::SparseMatrix<double>& stiffness, const Eigen::Ref<const Eigen::VectorXd>& shape);

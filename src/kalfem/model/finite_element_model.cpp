@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "kalfem/base/units.hpp"
 #include "kalfem/model/assembly/constraints.hpp"
 
 namespace kalfem {
@@ -107,12 +108,12 @@ void Validator::check_mesh() {
 void Validator::check_material(const std::string& name, const IsotropicMaterial& material) {
   const std::string title = "material '" + name + "' has ";
   if (!is_positive(material.youngs_modulus))
-    add(title + "Young's modulus " + std::to_string(material.youngs_modulus), "it must be positive and finite",
+    add(title + "Young's modulus " + shortest(material.youngs_modulus), "it must be positive and finite",
         "give it in Pa");
   if (!(material.poissons_ratio > -1.0 && material.poissons_ratio < 0.5))
-    add(title + "Poisson's ratio " + std::to_string(material.poissons_ratio), "it must lie between -1 and 0.5");
+    add(title + "Poisson's ratio " + shortest(material.poissons_ratio), "it must lie between -1 and 0.5");
   if (!(material.density >= 0.0) || !std::isfinite(material.density))
-    add(title + "density " + std::to_string(material.density), "it must be positive and finite", "give it in kg/m^3");
+    add(title + "density " + shortest(material.density), "it must be positive and finite", "give it in kg/m^3");
 }
 
 // A laminate has its own stiffness and mass, so only the other properties need a material of the model.
@@ -132,7 +133,7 @@ void Validator::check_property(const std::string& region, const RegionProperty& 
             did_you_mean(material, names_of(model_.materials)),
         "each property needs a material");
   if (const auto* shell = std::get_if<ShellProperty>(&property); shell && !is_positive(shell->thickness))
-    add("region '" + region + "' has the thickness " + std::to_string(shell->thickness),
+    add("region '" + region + "' has the thickness " + shortest(shell->thickness),
         "a thickness must be positive and finite", "give it in m");
   if (const auto* beam = std::get_if<BeamProperty>(&property)) check_section(region, *beam);
 }
@@ -141,7 +142,7 @@ void Validator::check_property(const std::string& region, const RegionProperty& 
 // although A and D are sound.
 void Validator::check_laminate(const std::string& region, const LaminateProperty& laminate) {
   if (!is_positive(laminate.mass))
-    add("the cross-section of region '" + region + "' has the mass " + std::to_string(laminate.mass),
+    add("the cross-section of region '" + region + "' has the mass " + shortest(laminate.mass),
         "dynamics need a mass for every region", "give it in kg/m^2");
   Matrix6 joined;
   joined << laminate.stiffness.membrane, laminate.stiffness.coupling, laminate.stiffness.coupling,
@@ -203,11 +204,11 @@ void Validator::check_section(const std::string& region, const BeamProperty& bea
                                     {"inertia_z", section.inertia_z},
                                     {"torsion", section.torsion}})
     if (!is_positive(value))
-      add("the section of region '" + region + "' has " + what + " " + std::to_string(value),
+      add("the section of region '" + region + "' has " + what + " " + shortest(value),
           "it must be positive and finite");
   for (const double value : {section.shear_factor_y, section.shear_factor_z})
     if (!(value >= 0.0) || !std::isfinite(value))
-      add("the section of region '" + region + "' has the shear factor " + std::to_string(value),
+      add("the section of region '" + region + "' has the shear factor " + shortest(value),
           "a shear factor must be positive, or 0 for a beam that is rigid in shear");
   for (const auto& placement : beam.placements)
     if (!placement.up.allFinite() || !placement.offsets.allFinite()) {
@@ -291,7 +292,7 @@ void Validator::check_masses() {
     const std::string title = "point mass '" + mass.name + "'";
     check_node(mass.node, title);
     if (!(mass.mass >= 0.0) || !std::isfinite(mass.mass))
-      add(title + " has the mass " + std::to_string(mass.mass), "a mass must be finite and not negative",
+      add(title + " has the mass " + shortest(mass.mass), "a mass must be finite and not negative",
           "give the mass in kg");
     const auto& inertia = mass.inertia;
     if (!mass.offset.allFinite() || !inertia.allFinite()) {
@@ -321,7 +322,7 @@ void Validator::check_springs() {
           "name two different ones, or one and a ground");
     for (const auto& [what, value] : {std::pair{"stiffness", spring.stiffness}, {"damping", spring.damping}})
       if (!(value >= 0.0) || !std::isfinite(value))
-        add(title + " has the " + what + " " + std::to_string(value),
+        add(title + " has the " + what + " " + shortest(value),
             "stiffness and damping of a spring must be finite and not negative");
   }
 }
@@ -377,7 +378,7 @@ void Validator::check_links() {
     for (const auto& share : link.shares) {
       check_node(share.node, title);
       if (!is_positive(share.weight))
-        add(title + " has the weight " + std::to_string(share.weight), "a weight must be positive and finite");
+        add(title + " has the weight " + shortest(share.weight), "a weight must be positive and finite");
     }
     if (link.shares.empty())
       add(title + " follows no nodes", "it must take the weighted mean motion of other nodes", "name them");

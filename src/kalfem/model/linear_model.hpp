@@ -9,8 +9,31 @@
 
 namespace kalfem {
 
-using SparseMatrix = Eigen::SparseMatrix<double>;
 struct StiffnessFactor;
+
+/// A sparse matrix by columns that is moved without a copy, which Eigen's own (3.4) is not: that of a large model has
+/// gigabytes.
+class SparseMatrix : public Eigen::SparseMatrix<double> {
+public:
+  using Base = Eigen::SparseMatrix<double>;
+  using Base::Base;
+  using Base::operator=;
+  SparseMatrix() = default;
+  ~SparseMatrix() = default;
+  SparseMatrix(const SparseMatrix&) = default;
+  SparseMatrix(const Base& other) : Base(other) {}
+  SparseMatrix(SparseMatrix&& other) noexcept { swap(other); }
+  SparseMatrix(Base&& other) noexcept { swap(other); }
+  SparseMatrix& operator=(const SparseMatrix&) = default;
+  SparseMatrix& operator=(SparseMatrix&& other) noexcept {
+    swap(other);
+    return *this;
+  }
+  SparseMatrix& operator=(Base&& other) noexcept {
+    swap(other);
+    return *this;
+  }
+};
 
 /// Coefficients over the degrees of freedom of a model: a point's displacement is sum_i coefficient_i z_i.
 using DofCombination = std::map<std::string, double>;

@@ -15,7 +15,7 @@ namespace {
 LumpedSubstructure unit_substructure(LumpedSubstructure substructure, const LumpedParameter& parameter) {
   substructure.modal_damping.clear();
   substructure.rayleigh = {};
-  substructure.matrices.damping = substructure.matrices.stiffness = {};
+  substructure.matrices.damping = substructure.matrices.stiffness = SparseMatrix();
   for (auto& spring : substructure.springs) spring.stiffness = spring.damping = 0.0;
   set_value(substructure, parameter, 1.0);
   return substructure;

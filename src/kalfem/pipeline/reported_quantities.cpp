@@ -6,6 +6,7 @@
 #include "kalfem/records/record.hpp"
 #include "kalfem/study/component_parts.hpp"
 #include "kalfem/system/laws/law_library.hpp"
+#include "kalfem/system/linearised.hpp"
 
 namespace kalfem {
 
@@ -66,6 +67,15 @@ std::vector<SubstructureModes> substructure_modes(const Study& study, Eigen::Ind
   }
   for (const auto& elements : study.structure->finite_elements) all.push_back(modes_of(*elements.part, count));
   return all;
+}
+
+Eigen::VectorXd joined_frequencies(const Study& study, Eigen::Index count, std::vector<std::string>& warnings) try {
+  const StructureParts& parts = study.structure->parts;
+  if (parts.shared.empty() || count == 0) return {};
+  return lowest_normal_modes(linearised_at_rest(couple(parts)), count).frequencies;
+} catch (const InvalidInput& error) {
+  warnings.push_back(std::string("the natural frequencies of the joined structure are left out: ") + error.what());
+  return {};
 }
 
 SubstructureModes modes_of(const FiniteElementPart& part, Eigen::Index count) {

@@ -27,6 +27,9 @@ void compare(PointQuantity& quantity, const Eigen::VectorXd& truth, const Compar
 
 /// Modes of every substructure that has degrees of freedom: all of a lumped one, the lowest `count` of finite elements.
 std::vector<SubstructureModes> substructure_modes(const Study& study, Eigen::Index count);
+/// The lowest `count` natural frequencies [Hz] of all parts together: superelements where they are reduced, connectors
+/// linear about rest. Empty without joints; with a warning, where a connector has no tangent at rest.
+Eigen::VectorXd joined_frequencies(const Study& study, Eigen::Index count, std::vector<std::string>& warnings);
 /// The lowest `count` modes of a finite-element substructure at full order.
 SubstructureModes modes_of(const FiniteElementPart& part, Eigen::Index count);
 

@@ -71,6 +71,8 @@ std::vector<MatrixXcd> modal_responses(const LinearModel& model, const Frequency
   const VectorXd none;
   const FrfModel responses(std::make_shared<const FixedModel>(model), plan.sets, plan.frequencies.tail(1)[0], none);
   const FrfEvaluation evaluation = responses.evaluate(none, false);
+  for (const double line : plan.frequencies)
+    if (evaluation.is_singular({0.0, 2.0 * std::numbers::pi * line})) throw singular_at(line);
   std::vector<MatrixXcd> found;
   for (std::size_t i = 0; i < plan.sets.size(); ++i) {
     auto& values = found.emplace_back(plan.frequencies.size(), std::ssize(plan.sets[i].outputs));
@@ -157,8 +159,10 @@ ResponseDifference difference_of(const VectorXd& frequencies, const VectorXcd& f
   return difference;
 }
 
-FrequencyResponseOutcome run_frequency_response(const FrequencyResponsePlan& plan, const Progress& progress,
-                                                std::vector<std::string>& warnings) {
+namespace {
+
+FrequencyResponseOutcome computed(const FrequencyResponsePlan& plan, const Progress& progress,
+                                  std::vector<std::string>& warnings) {
   FrequencyResponseOutcome outcome{.frequencies = plan.frequencies, .responses = without_values(plan.sets)};
   const bool both = plan.model == d::ResponseModel::both;
   if (plan.model != d::ResponseModel::reduced) {
@@ -176,6 +180,17 @@ FrequencyResponseOutcome run_frequency_response(const FrequencyResponsePlan& pla
   }
   for (auto& response : outcome.responses) add_peaks_and_difference(plan.frequencies, response);
   return outcome;
+}
+
+}  // namespace
+
+FrequencyResponseOutcome run_frequency_response(const FrequencyResponsePlan& plan, const Progress& progress,
+                                                std::vector<std::string>& warnings) try {
+  return computed(plan, progress, warnings);
+} catch (const InvalidInput& error) {
+  IssueList issues;
+  issues.add(error, plan.lines_at);
+  throw InvalidInput(issues.issues());
 }
 
 }  // namespace kalfem

@@ -170,11 +170,16 @@ void take_steps(const Study& study, Step last, const RunOptions& options, StudyR
   };
   const bool updates = takes(Step::update, last) && study.updating;
   const bool without_modes = last == Step::statics || last == Step::frequency_response;
-  results.modes = substructure_modes(study, without_modes ? 0 : study.report.modes);
+  results.phases.measure("modes", [&] {
+    const Eigen::Index count = without_modes ? 0 : study.report.modes;
+    results.modes = substructure_modes(study, count);
+    results.joined_frequencies = joined_frequencies(study, count, results.warnings);
+  });
   if (takes(Step::statics, last) && study.statics) results.statics = run_statics(*study.statics, results.warnings);
   if (takes(Step::frequency_response, last) && study.frequency_response)
-    results.frequency_response =
-        run_frequency_response(*study.frequency_response, job.begin("frequency responses"), results.warnings);
+    results.frequency_response = results.phases.measure("frequency_response", [&] {
+      return run_frequency_response(*study.frequency_response, job.begin("frequency responses"), results.warnings);
+    });
   if (takes(Step::simulate, last) && study.simulation) take_simulation(study, options, job.begin("simulate"), results);
   std::optional<Updated> updated;
   if (results.complete() && updates) {
@@ -190,8 +195,9 @@ void take_steps(const Study& study, Step last, const RunOptions& options, StudyR
     results.failure = results.estimation->failure();
     job.begin("diagnose");
     const StructureParts& parts = updated ? updated->parts : study.structure->parts;
-    results.estimation->diagnosis =
-        look_for_cause(*study.problem, parts, record_of(study, results), *results.estimation);
+    results.estimation->diagnosis = results.phases.measure("diagnose", [&] {
+      return look_for_cause(*study.problem, parts, record_of(study, results), *results.estimation);
+    });
     if (results.complete() && study.report.frequencies > 0)
       results.estimation->frequencies = frequencies_of(study, parts, *augmented_model, results);
     if (results.complete() && !updated &&
@@ -201,7 +207,9 @@ void take_steps(const Study& study, Step last, const RunOptions& options, StudyR
   }
   if (results.complete() && study.validation && (results.estimation || results.updating)) {
     job.begin("validate");
-    results.validation = run_validation(study, parts_for_validation(study, augmented_model, results), results);
+    results.validation = results.phases.measure("validate", [&] {
+      return run_validation(study, parts_for_validation(study, augmented_model, results), results);
+    });
   }
   if (results.complete() && takes(Step::predict, last) && study.prediction) {
     const auto estimated = estimated_model(study, *augmented_model, updated, *results.estimation, results.failure);
@@ -230,9 +238,11 @@ StudyResults run_study(const Study& study, Step last, const RunOptions& options)
     results.interrupted = true;
     results.failure = "the run was stopped before its end";
   }
-  judge(study, results);
-  results.identified = identified_case_of(study, results);
-  results.total_seconds = study.reduce_seconds + watch.seconds();
+  results.phases.measure("verdict", [&] {
+    judge(study, results);
+    results.identified = identified_case_of(study, results);
+  });
+  results.total_seconds = study.load_seconds + watch.seconds();
   return results;
 }
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "kalfem/base/phase_times.hpp"
 #include "kalfem/base/progress.hpp"
 #include "kalfem/diagnosis/diagnose.hpp"
 #include "kalfem/dynamics/converged_solution.hpp"
@@ -149,6 +150,8 @@ struct UpdatingOutcome {
 /// The results of a run; steps that did not run are empty.
 struct StudyResults {
   std::vector<SubstructureModes> modes;
+  Eigen::VectorXd
+      joined_frequencies;  ///< of all parts together, where joints unite some [Hz], see joined_frequencies()
   std::vector<FieldSeries> fields;
   std::optional<SimulationOutcome> simulation;
   std::optional<EstimationOutcome> estimation;
@@ -165,6 +168,7 @@ struct StudyResults {
   std::optional<IdentifiedCase> identified;  ///< of a usable run with an estimation or an updating
   std::string failure;                       ///< why a step failed, in words; empty if all ran to their end
   bool interrupted = false;                  ///< it was asked to stop
+  PhaseTimes phases;  ///< "modes", "frequency_response", "diagnose", "validate", "verdict"; others have their `seconds`
   double total_seconds = 0.0;
 
   /// Whether every step ran to its end.

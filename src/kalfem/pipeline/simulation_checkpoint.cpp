@@ -9,6 +9,7 @@
 #include "kalfem/base/hash.hpp"
 #include "kalfem/base/version.hpp"
 #include "kalfem/pipeline/binary_archive.hpp"
+#include "kalfem/pipeline/reported_quantities.hpp"
 
 // The file: the fingerprint, every member of the simulation in the order of transfer(), and a hash of all that. One
 // function describes the members for both directions, so that what is written is what is read.
@@ -99,14 +100,28 @@ void add(Hash& hash, const SparseMatrix& matrix) {
     }
 }
 
-/// Of the version, the case with all its defaults, and what the files that it names say: the matrices of the structure
-/// and the excitation at every sample.
-std::string simulated_fingerprint(const Study& study) {
+/// The case with all its defaults, without the section that only the filter reads. A line that is not indented begins a
+/// section.
+std::string simulated_case(const Study& study) {
+  std::istringstream lines(study.resolved_case);
+  std::string text;
+  bool of_estimate = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with(' ')) of_estimate = line.starts_with("estimate:");
+    if (!of_estimate) text += line + "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string simulation_fingerprint(const Study& study) {
   Hash hash;
   hash.add(version);
-  hash.add(study.resolved_case);
+  hash.add(simulated_case(study));
   const auto& system = study.model->system();
   for (const auto* matrix : {&system.mass, &system.damping, &system.stiffness}) add(hash, *matrix);
+  for (const auto& quantity : reported_quantities(*study.model)) hash.add(quantity.name + "\n");
   const SimulationPlan& plan = *study.simulation;
   const auto samples = static_cast<Index>(plan.duration * plan.sample_rate) + 1;
   for (const auto& signal : study.structure->signals) {
@@ -116,11 +131,9 @@ std::string simulated_fingerprint(const Study& study) {
   return std::to_string(hash.value());
 }
 
-}  // namespace
-
 SimulationCheckpoint::SimulationCheckpoint(const std::filesystem::path& folder, const Study& study)
     : file_(folder.empty() ? folder : folder / simulation_name),
-      fingerprint_(folder.empty() ? "" : simulated_fingerprint(study)) {}
+      fingerprint_(folder.empty() ? "" : simulation_fingerprint(study)) {}
 
 std::optional<FinishedSimulation> SimulationCheckpoint::read() const {
   if (std::error_code error; file_.empty() || !std::filesystem::is_regular_file(file_, error)) return std::nullopt;

@@ -18,6 +18,11 @@ struct FinishedSimulation {
   std::vector<FieldSeries> fields;
 };
 
+/// A hash of all that a simulation depends on: the version, the case with all its defaults but for `estimate`, the
+/// matrices of the structure, the names of the reported quantities, and the excitation at every sample, which comes
+/// from files too.
+std::string simulation_fingerprint(const Study& study);
+
 /// Keeps the finished simulation of a run in a file, bit for bit. A run that was killed later takes it from there and
 /// ends with the same results.
 class SimulationCheckpoint {

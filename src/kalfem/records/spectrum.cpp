@@ -28,20 +28,26 @@ VectorXd hann(Index n) {
   return 0.5 - 0.5 * VectorXd::LinSpaced(n, 0.0, last).array().cos();
 }
 
-/// Spectrum of the Hann-windowed signal, followed by zeros up to a fast length.
-Eigen::VectorXcd windowed_spectrum(const VectorXd& signal) {
-  const Index n = signal.size();
-  VectorXd windowed = VectorXd::Zero(fast_length(n));
-  windowed.head(n) = signal.cwiseProduct(hann(n));
-  Eigen::FFT<double> transform;
-  Eigen::VectorXcd spectrum;
-  transform.fwd(spectrum, windowed);
-  return spectrum;
-}
+/// Spectra of Hann-windowed signals of one length, each followed by zeros up to a fast length.
+class WindowedTransform {
+public:
+  explicit WindowedTransform(Index length) : window_(hann(length)) {}
+
+  Eigen::VectorXcd operator()(const VectorXd& signal) {
+    VectorXd windowed = VectorXd::Zero(fast_length(window_.size()));
+    windowed.head(window_.size()) = signal.cwiseProduct(window_);
+    Eigen::VectorXcd spectrum;
+    transform_.fwd(spectrum, windowed);
+    return spectrum;
+  }
+
+private:
+  VectorXd window_;
+  Eigen::FFT<double> transform_;  ///< with its factors of the length, which cost as much as a transform
+};
 
 /// Sum of the squared spectrum over the lines in the band.
-double power_in_band(const VectorXd& signal, double sample_rate, const FrequencyBand& band) {
-  const Eigen::VectorXcd spectrum = windowed_spectrum(signal);
+double power_in_band(const Eigen::VectorXcd& spectrum, double sample_rate, const FrequencyBand& band) {
   const Index lines = spectrum.size();
   double power = 0.0;
   for (Index k = 0; k <= lines / 2; ++k) {
@@ -59,7 +65,7 @@ CumulativeSpectrum::CumulativeSpectrum(VectorXd signal, double sample_rate, int 
       present.select(signal.array(), 0.0).sum() / static_cast<double>(std::max<Index>(1, present.count()));
   signal = present.select(signal.array() - middle, 0.0);
   if (mean == Mean::kept && derivatives == 0) of_mean_ = middle * middle;
-  const Eigen::VectorXcd spectrum = windowed_spectrum(signal);
+  const Eigen::VectorXcd spectrum = WindowedTransform(signal.size())(signal);
   const auto lines = static_cast<double>(spectrum.size());
   spacing_ = sample_rate / lines;
   const double scale = 2.0 / (lines * std::max(hann(signal.size()).squaredNorm(), 1e-300));
@@ -79,9 +85,10 @@ double CumulativeSpectrum::mean_square_below(double frequency) const {
 
 double nrmse_in_band(const VectorXd& estimate, const VectorXd& reference, double sample_rate,
                      const FrequencyBand& band) {
-  const double size = power_in_band(reference, sample_rate, band);
+  WindowedTransform transform(reference.size());
+  const double size = power_in_band(transform(reference), sample_rate, band);
   if (!(size > 0.0)) return std::numeric_limits<double>::quiet_NaN();
-  return std::sqrt(power_in_band(estimate - reference, sample_rate, band) / size);
+  return std::sqrt(power_in_band(transform(estimate - reference), sample_rate, band) / size);
 }
 
 namespace {
@@ -102,9 +109,10 @@ struct PowerLines {
 
 PowerLines welch(const VectorXd& signal, double sample_rate, Index piece) {
   PowerLines lines;
+  WindowedTransform transform(piece);
   Index pieces = 0;
   for (Index first = 0; first + piece <= signal.size(); first += std::max<Index>(1, piece / 2)) {
-    const Eigen::VectorXcd spectrum = windowed_spectrum(signal.segment(first, piece));
+    const Eigen::VectorXcd spectrum = transform(signal.segment(first, piece));
     const Index count = spectrum.size() / 2 + 1;
     if (pieces++ == 0) {
       lines.power = VectorXd::Zero(count);

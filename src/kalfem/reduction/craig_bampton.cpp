@@ -72,8 +72,21 @@ LowestModes completed_modes(const LinearModel& model, const Partition& parts, co
   return kept;
 }
 
+/// An order for the interior that fills little: the given one, or that of the whole without the boundary.
+EliminationOrder order_for(const Partition& parts, const ReductionOptions& options) {
+  if (!options.order.empty() || !options.whole) return options.order;
+  std::vector<Index> places(parts.interior.size() + parts.boundary.size(), -1);
+  for (std::size_t i = 0; i < parts.interior.size(); ++i)
+    places[static_cast<std::size_t>(parts.interior[i])] = static_cast<Index>(i);
+  EliminationOrder order;
+  for (const auto row : options.whole->factor.order())
+    if (const Index place = places[static_cast<std::size_t>(row)]; place >= 0) order.push_back(place);
+  return order;
+}
+
 // Craig and Bampton [CB68], with the interior i and the boundary b:
-//   1. factor K_ii + shift M_ii; a free interior has rigid-body modes, which the constraint modes leave out;
+//   1. factor K_ii + shift M_ii, in the whole model's order where that is known; a free interior has rigid-body modes,
+//      which the constraint modes leave out;
 //   2. constraint modes Psi = -K_ii^-1 K_ib;
 //   3. fixed-interface modes K_ii Phi = M_ii Phi Lambda, as many as the options ask for;
 //   4. modal truncation augmentation vectors [DNW97] behind them, where they are wanted;
@@ -83,7 +96,7 @@ LowestModes completed_modes(const LinearModel& model, const Partition& parts, co
 Superelement reduced(const LinearModel& model, const std::vector<std::string>& names, const ReductionOptions& options) {
   const Partition parts = partition(model, names);
   const StiffnessFactor factored =
-      factor_stiffness(parts.stiffness_ii, parts.mass_ii, parts.interior_names, options.order);
+      factor_stiffness(parts.stiffness_ii, parts.mass_ii, parts.interior_names, order_for(parts, options));
   const MatrixXd static_part = constraint_modes(parts, factored, rigid_body_modes(parts, factored));
   SelectedModes selected = select_modes(parts, static_part * translations(names), factored, options.modes);
   const VectorXd kept = natural_frequencies(selected.modes.values);

@@ -17,16 +17,18 @@ using Eigen::Index;
 
 namespace {
 
-constexpr Index outside = -1;
+constexpr Index unknown = -1, outside = -2;
 
 std::vector<Index> indices_of(const LinearModel& model, const std::vector<std::string>& boundary) {
   std::unordered_map<std::string, Index> known;
-  for (Index i = 0; i < model.size(); ++i) known.emplace(model.dofs[static_cast<std::size_t>(i)], i);
+  for (const auto& name : boundary) known.emplace(name, unknown);
+  for (Index i = 0; i < model.size(); ++i)
+    if (const auto found = known.find(model.dofs[static_cast<std::size_t>(i)]); found != known.end()) found->second = i;
   IssueList issues;
   std::vector<Index> indices;
   for (const auto& name : boundary) {
     const auto found = known.find(name);
-    if (found == known.end())
+    if (found->second == unknown)
       issues.add({}, "the model has no degree of freedom '" + name + "'" + did_you_mean(name, model.dofs),
                  "the boundary must consist of degrees of freedom of the model", "name one of them");
     else if (found->second == outside)
@@ -65,7 +67,7 @@ namespace {
 /// The loads on a free body that its displacements answer are in equilibrium, so springs at a statically determinate
 /// support carry nothing, whatever their stiffness: the solution is that of the free body.
 MatrixXd solve_supported(const Partition& parts, const MatrixXd& loads, const MatrixXd& rigid_modes) {
-  const SparseFactor factor(held_stiffness(parts.stiffness_ii, rigid_modes));
+  const SparseFactor factor(parts.stiffness_ii, {}, supports(parts.stiffness_ii, rigid_modes));
   MatrixXd displacements = factor.solve(loads);
   // What the factor of a nearly singular matrix lost in the first place.
   displacements += factor.solve(loads - parts.stiffness_ii * displacements);

@@ -45,6 +45,7 @@ struct ReductionErrorIndicators {
   Eigen::Index rigid_modes = 0;                      ///< of the interior while the boundary is held, all kept
   std::string reason = {};                           ///< why so many modes, in words
   double seconds = 0.0;                              ///< without the comparison with the full model
+  double compare_seconds = 0.0;                      ///< of that
   double factor_bytes = 0.0;                         ///< memory of the factor of K_ii [byte]
   Eigen::Index solves = 0;                           ///< back-solves with it
   EliminationOrder order = {};                       ///< of it: Craig-Bampton only

@@ -115,7 +115,8 @@ Named<NamedErrors> validation_of(const Json& validation) {
 
 NamedErrors timing_of(const Json& timing) {
   NamedErrors seconds{{"total", number_in(timing, "total_s")}};
-  for (const std::string step : {"reduce", "simulate", "update", "estimate", "predict"})
+  for (const std::string step : {"load", "reduce", "modes", "static", "frequency_response", "simulate", "update",
+                                 "estimate", "diagnose", "validate", "predict", "infer", "place", "verdict"})
     if (const auto taken = number_in(timing, (step + "_s").c_str())) seconds.emplace_back(step, taken);
   return seconds;
 }

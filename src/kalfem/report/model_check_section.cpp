@@ -52,7 +52,7 @@ std::vector<PlacedDof> places_of(const FiniteElementPart& part) {
   std::vector<PlacedDof> places;
   for (const auto& [node, direction] : part.assembled.dofs) {
     const bool is_scalar = scalars != mesh.node_sets.end() && std::ranges::count(scalars->second, node) > 0;
-    places.push_back({mesh.nodes.col(node), is_scalar ? -1 : direction});
+    places.push_back({mesh.nodes.col(node), is_scalar ? -1 : direction, mesh.axes_of(node)});
   }
   return places;
 }
@@ -70,7 +70,7 @@ ModelCheckReport model_check_of(const FiniteElementPart& part, const ModelCheckO
     return check_model(part.full, places_of(part), options);
   // The stiffness of a preload resists turns of the whole: the elements are checked without it.
   if (part.preload_stiffness.size() > 0) return check_model(part.elements, assemble(part.elements), options);
-  return check_model(part.elements, part.assembled, options);
+  return check_model(part.elements, with_terms(part), options);
 }
 
 Table findings_table(const ModelCheckReport& report) {

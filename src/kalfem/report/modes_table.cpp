@@ -88,9 +88,25 @@ Table modes_table(const Study& study, const StudyResults& results) {
   return without_empty_columns(std::move(table));
 }
 
+Table joined_modes_table(const Study& study, const StudyResults& results) {
+  Table table{"Modes of the joined structure", {"mode", "frequency [Hz]"}, {}, {}};
+  for (Index i = 0; i < results.joined_frequencies.size(); ++i)
+    table.rows.push_back({std::to_string(i + 1), four_digits(results.joined_frequencies[i])});
+  const auto reduced = [](const FiniteElementSubstructure& each) { return each.reduced != nullptr; };
+  table.caption = "All parts together, connectors linear about rest";
+  table.caption += std::ranges::any_of(study.structure->finite_elements, reduced)
+                       ? ", of the superelements: right up to about half of what these keep."
+                       : ".";
+  return table;
+}
+
 std::string console_modes(const Study& study, const StudyResults& results) {
-  const Table table = modes_table(study, results);
-  return to_text(table) + (table.caption.empty() ? "" : "\n" + table.caption + "\n") + "\n";
+  std::string text;
+  for (const Table& table : {modes_table(study, results), joined_modes_table(study, results)}) {
+    if (table.rows.empty() && !text.empty()) continue;
+    text += to_text(table) + (table.caption.empty() ? "" : "\n" + table.caption + "\n") + "\n";
+  }
+  return text;
 }
 
 }  // namespace kalfem

@@ -11,7 +11,10 @@ namespace kalfem {
 /// the relative residual of every mode that the reduction keeps. The caption says why modes have none of these.
 Table modes_table(const Study& study, const StudyResults& results);
 
-/// The same for a terminal.
+/// Natural frequencies of the joined structure; no rows where nothing is joined.
+Table joined_modes_table(const Study& study, const StudyResults& results);
+
+/// Both for a terminal.
 std::string console_modes(const Study& study, const StudyResults& results);
 
 }  // namespace kalfem

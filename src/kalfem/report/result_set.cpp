@@ -130,6 +130,7 @@ std::string identified_case(const IdentifiedCase& identified, const std::string&
 
 /// Writes all files of the run into the staging folder; their names, and the summary.
 ResultSet write_files(const fs::path& staging, const Study& study, const StudyResults& results, const Stopwatch& run) {
+  const Stopwatch writing;
   Json summary = summarise(study, results);
   const std::string identity = summary["run"];
   write_results((staging / "results.h5").string(), study, results, identity);
@@ -147,6 +148,7 @@ ResultSet write_files(const fs::path& staging, const Study& study, const StudyRe
   write_file_atomically(staging / "report.html", render_html(page));
   Names files = files_in(staging);
   files.insert(std::ranges::lower_bound(files, "summary.json"), "summary.json");
+  summary["timing"]["write_s"] = writing.seconds();
   std::string text = summary_text(std::move(summary), files, run.seconds());
   write_file_atomically(staging / "summary.json", text);
   return {.files = std::move(files), .removed = {}, .summary = std::move(text)};

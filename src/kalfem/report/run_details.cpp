@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "kalfem/report/tables.hpp"
 
 namespace kalfem {
@@ -20,24 +22,38 @@ Table attempts_table(const EstimationOutcome& outcome) {
 
 }  // namespace
 
+PhaseTimes step_times(const Study& study, const StudyResults& results) {
+  PhaseTimes times;
+  times.add("load", std::max(0.0, study.load_seconds - study.reduce_seconds));
+  if (!study.structure->finite_elements.empty()) times.add("reduce", study.reduce_seconds);
+  if (results.statics) times.add("static", results.statics->seconds);
+  if (results.simulation) times.add("simulate", results.simulation->seconds);
+  if (results.updating) times.add("update", results.updating->seconds);
+  if (results.estimation) times.add("estimate", results.estimation->seconds);
+  if (results.prediction) times.add("predict", results.prediction->seconds);
+  if (results.inference) times.add("infer", results.inference->seconds);
+  if (results.placement) times.add("place", results.placement->seconds);
+  times.add(results.phases);
+  return times;
+}
+
 Table timing_table(const Study& study, const StudyResults& results) {
   Table table{"Time", {"step", "seconds"}, {}, {}};
-  const auto add = [&](const std::string& step, double seconds) {
+  const auto add = [&](std::string step, double seconds) {
+    std::ranges::replace(step, '_', ' ');
     table.rows.push_back({step, fmt::format("{:.3f}", seconds)});
   };
-  if (!study.structure->finite_elements.empty()) add("reduce", study.reduce_seconds);
-  if (results.simulation) add("simulate", results.simulation->seconds);
-  if (results.updating) add("update", results.updating->seconds);
-  if (results.estimation) {
-    const auto& time = results.estimation->result.time;
-    add("estimate", results.estimation->seconds);
-    add("  of the last filter pass: predict", time.predict);
-    add("  of the last filter pass: update", time.update);
-    add("  of the last filter pass: outputs", time.output);
+  for (const auto& [step, seconds] : step_times(study, results).list()) {
+    add(step, seconds);
+    if (step == "reduce")
+      for (const auto& [part, own] : study.reduce_phases.list()) add("  of that: " + part, own);
+    if (step == "estimate") {
+      const auto& time = results.estimation->result.time;
+      add("  of the last filter pass: predict", time.predict);
+      add("  of the last filter pass: update", time.update);
+      add("  of the last filter pass: outputs", time.output);
+    }
   }
-  if (results.prediction) add("predict", results.prediction->seconds);
-  if (results.inference) add("infer", results.inference->seconds);
-  if (results.placement) add("place", results.placement->seconds);
   add("in all", results.total_seconds);
   return table;
 }

@@ -2,10 +2,14 @@
 
 #include <string>
 
+#include "kalfem/base/phase_times.hpp"
 #include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/report/page.hpp"
 
 namespace kalfem {
+
+/// Wall time of every step of the run [s]: "load" without "reduce", "reduce", "modes", "simulate", ...
+PhaseTimes step_times(const Study& study, const StudyResults& results);
 
 /// How long each step took.
 Table timing_table(const Study& study, const StudyResults& results);

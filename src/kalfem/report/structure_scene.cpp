@@ -16,7 +16,6 @@ namespace {
 using Eigen::Index;
 using Eigen::Matrix3Xd;
 using Eigen::MatrixXd;
-using SparseMatrix = Eigen::SparseMatrix<double>;
 
 constexpr std::size_t most_modes = 40, most_unlabelled_marks = 150, most_links = 600;
 constexpr Index most_frames = 400;                  ///< of a motion

@@ -210,6 +210,7 @@ Section simulation_section(const SimulationOutcome& outcome) {
 /// Modes of the finite-element substructures, how their reductions keep them, and what was warned of.
 Section model_section(const Study& study, const StudyResults& results) {
   Section section{"Finite-element substructures", "", {modes_table(study, results)}};
+  if (results.joined_frequencies.size() > 0) section.items.emplace_back(joined_modes_table(study, results));
   for (const auto& elements : study.structure->finite_elements) {
     section.text += fmt::format("'{}' has {} degrees of freedom and weighs {}. ", elements.part->name,
                                 elements.part->full.size(), mass_text(*elements.part));

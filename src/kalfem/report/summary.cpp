@@ -19,6 +19,7 @@
 #include "kalfem/report/inference_report.hpp"
 #include "kalfem/report/placement_report.hpp"
 #include "kalfem/report/process_noise_report.hpp"
+#include "kalfem/report/run_details.hpp"
 #include "kalfem/report/statics_report.hpp"
 #include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/tables.hpp"
@@ -89,11 +90,13 @@ Json model_summary(const Study& study, const StudyResults& results) {
   }
   for (const auto& elements : study.structure->finite_elements)
     if (elements.reduced) parts[elements.part->name]["reduction"] = reduction_summary(*elements.reduced);
-  return {{"dofs", dofs},
-          {"reduced_dofs",
-           study.augmented_model ? study.augmented_model->model->system().size() : study.model->system().size()},
-          {"connectors", study.model->system().connector_count()},
-          {"substructures", parts}};
+  Json model = {{"dofs", dofs},
+                {"reduced_dofs",
+                 study.augmented_model ? study.augmented_model->model->system().size() : study.model->system().size()},
+                {"connectors", study.model->system().connector_count()},
+                {"substructures", parts}};
+  if (results.joined_frequencies.size() > 0) model["joined_frequencies_hz"] = numbers(results.joined_frequencies);
+  return model;
 }
 
 void add_likelihood_unknowns(const LikelihoodEstimate& likelihood, Json& parameters) {
@@ -385,21 +388,17 @@ Json validation_record_summary(const ValidationPlan& plan, const OpenLoopCompari
 
 Json timing_summary(const Study& study, const StudyResults& results) {
   Json timing = {{"total_s", number(results.total_seconds)}};
-  if (!study.structure->finite_elements.empty()) timing["reduce_s"] = number(study.reduce_seconds);
-  if (results.simulation) timing["simulate_s"] = number(results.simulation->seconds);
+  for (const auto& [step, seconds] : step_times(study, results).list()) timing[step + "_s"] = number(seconds);
+  for (const auto& [part, seconds] : study.reduce_phases.list()) timing["reduce_split_s"][part] = number(seconds);
   if (results.estimation) {
     const auto& outcome = *results.estimation;
     const auto steps = static_cast<double>(outcome.measurements.samples());
-    timing["estimate_s"] = number(outcome.seconds);
     timing["estimate_us_per_step"] = number(1e6 * outcome.result.time.filter() / steps);
     timing["real_time_factor"] = number(steps / outcome.measurements.sample_rate / outcome.result.time.filter());
     timing["estimate_split_s"] = {{"predict", number(outcome.result.time.predict)},
                                   {"update", number(outcome.result.time.update)},
                                   {"output", number(outcome.result.time.output)}};
   }
-  if (results.prediction) timing["predict_s"] = number(results.prediction->seconds);
-  if (results.updating) timing["update_s"] = number(results.updating->seconds);
-  if (results.statics) timing["static_s"] = number(results.statics->seconds);
   return timing;
 }
 

@@ -11,12 +11,15 @@
 #include "kalfem/base/parallel.hpp"
 #include "kalfem/base/version.hpp"
 #include "kalfem/pipeline/run_simulation.hpp"
+#include "kalfem/pipeline/simulation_checkpoint.hpp"
 #include "kalfem/report/data_files.hpp"
 #include "kalfem/report/result_set.hpp"
 #include "kalfem/report/summary_parts.hpp"
 
 namespace kalfem {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 void check(const SweepPlan& plan) {
   IssueList issues;
@@ -30,54 +33,99 @@ void check(const SweepPlan& plan) {
   issues.raise();
 }
 
-/// The case with the values of one combination, and its reference, for all seeds.
-struct Combination {
-  Study study;
-  std::shared_ptr<const SimulationOutcome> simulation = {};  ///< empty: the case measures its record
-  std::string failure = {};                                  ///< why there is no reference
-
-  void simulate() {
-    if (!study.simulation || simulation) return;
-    std::vector<FieldSeries> pictures;
-    simulation = std::make_shared<const SimulationOutcome>(run_simulation(study, {}, pictures, failure));
-  }
+/// The simulated reference; where there is none, why.
+struct Reference {
+  SimulationOutcome outcome;
+  std::string failure;
 };
 
-/// The simulation with the noise of a seed; without a seed as it is.
-std::shared_ptr<const SimulationOutcome> with_seed(const Combination& combination, std::optional<int> seed) {
-  if (!seed) return combination.simulation;
-  auto simulation = std::make_shared<SimulationOutcome>(*combination.simulation);
+/// References, each made by the first combination that asks for it: combinations that differ in `estimate` share one.
+class References {
+public:
+  std::shared_ptr<const Reference> of(const Study& study) {
+    const auto entry = entry_of(simulation_fingerprint(study));
+    const std::scoped_lock lock(entry->guard);
+    if (!entry->reference) {
+      auto reference = std::make_shared<Reference>();
+      std::vector<FieldSeries> pictures;
+      reference->outcome = run_simulation(study, {}, pictures, reference->failure);
+      entry->reference = std::move(reference);
+    }
+    return entry->reference;
+  }
+
+private:
+  struct Entry {
+    std::string fingerprint;
+    std::mutex guard;
+    std::shared_ptr<const Reference> reference;
+  };
+
+  std::shared_ptr<Entry> entry_of(const std::string& fingerprint) {
+    constexpr std::size_t most = 8;
+    const std::scoped_lock lock(guard_);
+    const auto known = std::ranges::find(kept_, fingerprint, [](const auto& entry) { return entry->fingerprint; });
+    if (known != kept_.end()) return *known;
+    if (kept_.size() == most) kept_.erase(kept_.begin());
+    kept_.push_back(std::make_shared<Entry>());
+    kept_.back()->fingerprint = fingerprint;
+    return kept_.back();
+  }
+
+  std::mutex guard_;
+  std::vector<std::shared_ptr<Entry>> kept_;  ///< the oldest first
+};
+
+/// The case with the values of one combination, for all seeds.
+struct Combination {
+  Study study;
+  std::shared_ptr<const Reference> reference = {};  ///< empty: the case measures its record
+};
+
+/// The reference with the noise of a seed; without a seed with that of the case.
+std::shared_ptr<const SimulationOutcome> simulation_of(const Combination& combination, std::optional<int> seed) {
+  if (!combination.reference) return nullptr;
+  if (!seed) return {combination.reference, &combination.reference->outcome};
+  auto simulation = std::make_shared<SimulationOutcome>(combination.reference->outcome);
   add_noise(combination.study, static_cast<std::uint64_t>(*seed), *simulation);
   return simulation;
 }
 
 /// What does not depend on the machine, in one line.
-std::string lasting_text(nlohmann::ordered_json summary) {
+std::string lasting_text(Json summary) {
   drop_times(summary);
-  summary["files"] = nlohmann::ordered_json::array();
-  return summary.dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace);
+  summary["files"] = Json::array();
+  return summary.dump(-1, ' ', true, Json::error_handler_t::replace);
 }
 
 std::string summary_of(const Combination& combination, std::optional<int> seed) {
   const Study& study = combination.study;
   StudyResults results;
-  if (combination.failure.empty())
-    results = run_study(study, Step::everything, {.simulation = with_seed(combination, seed)});
-  else
-    results.failure = combination.failure;
+  if (combination.reference) results.failure = combination.reference->failure;
+  if (results.complete())
+    results = run_study(study, Step::everything, {.simulation = simulation_of(combination, seed)});
   return lasting_text(summarise(study, results));
 }
 
 std::size_t seeds_of(const SweepPlan& plan) { return static_cast<std::size_t>(std::max(1, plan.seeds)); }
 
-std::vector<SweepRun> planned_runs(const SweepPlan& plan) {
-  std::vector<SweepRun> runs(plan.size());
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    runs[i].number = i;
-    runs[i].values = plan.values(i / seeds_of(plan));
-    if (plan.seeds > 0) runs[i].seed = static_cast<int>(i % seeds_of(plan)) + 1;
-  }
-  return runs;
+/// A run that is not made yet.
+SweepRun planned_run(const SweepPlan& plan, std::size_t number) {
+  SweepRun run{
+      .number = number, .values = plan.values(number / seeds_of(plan)), .seed = {}, .summary = {}, .refused = {}};
+  if (plan.seeds > 0) run.seed = static_cast<int>(number % seeds_of(plan)) + 1;
+  return run;
+}
+
+std::string identity_of(const SweepPlan& plan, const Study& first) {
+  Hash hash;
+  hash.add(version);
+  hash.add(first.resolved_case);
+  for (const auto& file : data_files(first)) hash.add(file.sha256);
+  for (const auto& [key, value] : plan.changes) hash.add(key + "=" + value.value_or("") + "\n");
+  for (const auto& axis : plan.axes) hash.add(fmt::format("{}={}\n", axis.key, fmt::join(axis.values, "\n")));
+  hash.add(std::to_string(plan.seeds));
+  return fmt::format("{:016x}", hash.value());
 }
 
 }  // namespace
@@ -97,46 +145,73 @@ std::vector<std::string> SweepPlan::values(std::size_t combination) const {
   return values;
 }
 
-/// Combinations, each made by the first run that asks for it and dropped after its last run.
+std::string to_line(const SweepRun& run) {
+  const auto text = [](const Json& json) { return json.dump(-1, ' ', true, Json::error_handler_t::replace); };
+  Json start{{"run", run.number}, {"values", run.values}, {"seed", nullptr}};
+  if (run.seed) start["seed"] = *run.seed;
+  if (run.summary.empty()) start["refused"] = run.refused;
+  std::string line = text(start);
+  if (!run.summary.empty()) line.replace(line.size() - 1, 1, ",\"summary\":" + run.summary + "}");
+  return line;
+}
+
+std::optional<SweepRun> sweep_run_of(const std::string& line) try {
+  const Json json = Json::parse(line);
+  SweepRun run{json.at("run"), json.at("values"), std::nullopt, {}, json.value("refused", std::string())};
+  if (!json.at("seed").is_null()) run.seed = json.at("seed").get<int>();
+  if (json.contains("summary")) run.summary = json.at("summary").dump(-1, ' ', true, Json::error_handler_t::replace);
+  return run;
+} catch (const Json::exception&) {
+  return std::nullopt;
+}
+
+/// Combinations, each made by the first run that asks for it. Those that were asked for last are kept: runs come nearly
+/// in the order of their numbers, in which seeds change fastest.
 class Sweep::Combinations {
 public:
   explicit Combinations(SweepPlan plan) : plan_(std::move(plan)), places_(plan_.combinations()) {
-    places_.front().made = std::make_shared<Combination>(Combination{read(0)});
+    const auto first = std::make_shared<Combination>(Combination{read(0)});
+    identity_ = identity_of(plan_, first->study);
+    places_.front().made = first;
+    keep(first);
   }
 
   [[nodiscard]] const SweepPlan& plan() const { return plan_; }
-  /// Of the first combination, before the runs.
-  [[nodiscard]] const Study& first() const { return places_.front().made->study; }
-
-  /// Announces a run that will ask for its combination.
-  void expect(std::size_t run) { ++place_of(run).runs; }
+  [[nodiscard]] const std::string& identity() const { return identity_; }
 
   /// The combination of a run, simulated. Throws InvalidInput, for each of its runs, where the case cannot be read.
   std::shared_ptr<const Combination> of(std::size_t run) {
-    Place& place = place_of(run);
+    const std::size_t number = run / seeds_of(plan_);
+    Place& place = places_[number];
     const std::scoped_lock lock(place.guard);
     if (place.refused) throw InvalidInput(*place.refused);
+    auto made = place.made.lock();
     try {
-      if (!place.made) place.made = std::make_shared<Combination>(Combination{read(run / seeds_of(plan_))});
-      place.made->simulate();
+      if (!made) made = std::make_shared<Combination>(Combination{read(number)});
+      if (made->study.simulation && !made->reference) made->reference = references_.of(made->study);
     } catch (const InvalidInput& error) {
       place.refused = error;
       throw;
     }
-    std::shared_ptr<const Combination> made = place.made;
-    if (--place.runs == 0) place.made = nullptr;
+    place.made = made;
+    keep(made);
     return made;
   }
 
 private:
   struct Place {
     std::mutex guard;
-    std::shared_ptr<Combination> made;  ///< changed under the guard, before it is handed out
+    std::weak_ptr<Combination> made;  ///< changed under the guard, before it is handed out
     std::optional<InvalidInput> refused;
-    std::size_t runs = 0;  ///< that will ask for it
   };
 
-  Place& place_of(std::size_t run) { return places_[run / seeds_of(plan_)]; }
+  void keep(const std::shared_ptr<Combination>& made) {
+    const std::size_t most = plan_.seeds > 1 ? 2 : 1;
+    const std::scoped_lock lock(keeping_);
+    std::erase(kept_, made);
+    kept_.push_back(made);
+    if (kept_.size() > most) kept_.erase(kept_.begin());
+  }
 
   /// One at a time: the readers of files do not work side by side.
   Study read(std::size_t number) {
@@ -152,8 +227,11 @@ private:
   }
 
   SweepPlan plan_;
+  std::string identity_;
+  References references_;
   std::vector<Place> places_;
-  std::mutex reading_;
+  std::vector<std::shared_ptr<Combination>> kept_;  ///< the one that was asked for last stands last
+  std::mutex keeping_, reading_;
 };
 
 Sweep::Sweep(SweepPlan plan) {
@@ -165,20 +243,23 @@ Sweep::~Sweep() = default;
 
 const SweepPlan& Sweep::plan() const { return combinations_->plan(); }
 
-std::string Sweep::identity() const {
-  Hash hash;
-  const Study& study = combinations_->first();
-  hash.add(version);
-  hash.add(study.resolved_case);
-  for (const auto& file : data_files(study)) hash.add(file.sha256);
-  for (const auto& [key, value] : plan().changes) hash.add(key + "=" + value.value_or("") + "\n");
-  for (const auto& axis : plan().axes) hash.add(fmt::format("{}={}\n", axis.key, fmt::join(axis.values, "\n")));
-  hash.add(std::to_string(plan().seeds));
-  return fmt::format("{:016x}", hash.value());
+const std::string& Sweep::identity() const { return combinations_->identity(); }
+
+SweepRun Sweep::run_one(std::size_t number) {
+  if (number >= plan().size())
+    throw InvalidInput("run " + std::to_string(number) + " is asked for", "the sweep has fewer",
+                       "numbers are 0 to " + std::to_string(plan().size() - 1));
+  SweepRun run = planned_run(plan(), number);
+  try {
+    run.summary = summary_of(*combinations_->of(number), run.seed);
+  } catch (const InvalidInput& error) {
+    run.refused = error.what();
+  }
+  return run;
 }
 
 std::vector<SweepRun> Sweep::run(const SweepOptions& options) {
-  std::vector<SweepRun> runs = planned_runs(plan());
+  std::vector<SweepRun> runs(plan().size());
   std::vector<bool> known(runs.size(), false);
   for (const auto& run : options.known) {
     runs.at(run.number) = run;
@@ -187,17 +268,12 @@ std::vector<SweepRun> Sweep::run(const SweepOptions& options) {
   std::vector<std::size_t> to_make;
   for (std::size_t i = 0; i < runs.size(); ++i)
     if (!known[i]) to_make.push_back(i);
-  for (const auto run : to_make) combinations_->expect(run);
 
   std::mutex telling;
   std::size_t finished = runs.size() - to_make.size();
   for_each_index(to_make.size(), options.threads > 0 ? options.threads : processors(), [&](std::size_t i) {
     SweepRun& run = runs[to_make[i]];
-    try {
-      run.summary = summary_of(*combinations_->of(run.number), run.seed);
-    } catch (const InvalidInput& error) {
-      run.refused = error.what();
-    }
+    run = run_one(to_make[i]);
     const std::scoped_lock lock(telling);
     if (options.on_run) options.on_run(run);
     ++finished;

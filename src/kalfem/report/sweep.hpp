@@ -40,7 +40,13 @@ struct SweepRun {
   std::string refused;  ///< why it cannot
 };
 
-/// How the runs are made.
+/// The run as JSON on one line, without the line's end: so it stands in runs.jsonl, and so it comes from a worker
+/// elsewhere.
+std::string to_line(const SweepRun& run);
+/// The run of such a line; nothing where the line is cut short.
+std::optional<SweepRun> sweep_run_of(const std::string& line);
+
+/// How the runs are made on threads of this process.
 struct SweepOptions {
   int threads = 0;                                        ///< runs at a time; 0: one a processor core
   std::vector<SweepRun> known = {};                       ///< of an earlier sweep of this identity: not made again
@@ -48,8 +54,9 @@ struct SweepOptions {
   Progress progress = {};                                 ///< "run 17 of 100"
 };
 
-/// A sweep that is ready to run. Each run is that of `kalfem run` with the same changes, to the last bit, whatever the
-/// number of threads. A combination is read, and its reference simulated, once for all its seeds.
+/// A sweep that is ready to run. Each run is that of `kalfem run` with the same changes, to the last bit, whoever makes
+/// it. A combination is read once for all its seeds, and a reference simulated once for all combinations that share it:
+/// those that differ in `estimate`.
 class Sweep {
 public:
   /// Reads the case with the first combination. Throws InvalidInput where that cannot be run, where an axis has no
@@ -60,11 +67,16 @@ public:
   Sweep& operator=(const Sweep&) = delete;
 
   [[nodiscard]] const SweepPlan& plan() const;
-  /// 16 hexadecimal digits: a hash of the version, the plan, the case with all its defaults, and its data files.
-  [[nodiscard]] std::string identity() const;
+  /// 16 hexadecimal digits: a hash of the version, the plan, the case with all its defaults, and its data files. Two
+  /// processes whose sweeps have the same identity make the same runs.
+  [[nodiscard]] const std::string& identity() const;
 
-  /// Makes the runs that are not known. All runs in the order of their numbers; a combination that cannot be run says
-  /// why in each of its runs.
+  /// Makes one run; any number, in any order, on several threads side by side. The last combinations are kept, so a
+  /// worker takes runs whose numbers follow each other. Of a combination that cannot be run it says why. Throws
+  /// InvalidInput where the sweep has no such run.
+  [[nodiscard]] SweepRun run_one(std::size_t number);
+
+  /// Makes the runs that are not known, on threads. All runs in the order of their numbers.
   [[nodiscard]] std::vector<SweepRun> run(const SweepOptions& options = {});
 
 private:

@@ -1,6 +1,6 @@
 #include <cerrno>
+#include <limits>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/units.hpp"
@@ -14,27 +14,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Eigen::Index;
-
-std::string line_of(const SweepRun& run) {
-  Json line{{"run", run.number}, {"values", run.values}};
-  line["seed"] = run.seed ? Json(*run.seed) : Json(nullptr);
-  if (run.summary.empty())
-    line["refused"] = run.refused;
-  else
-    line["summary"] = Json::parse(run.summary);
-  return line.dump(-1, ' ', true, Json::error_handler_t::replace) + "\n";
-}
-
-/// Nothing where the line is cut short.
-std::optional<SweepRun> run_in(const std::string& line) try {
-  const Json json = Json::parse(line);
-  SweepRun run{json.at("run"), json.at("values"), std::nullopt, {}, json.value("refused", std::string())};
-  if (!json.at("seed").is_null()) run.seed = json.at("seed").get<int>();
-  if (json.contains("summary")) run.summary = json.at("summary").dump(-1, ' ', true, Json::error_handler_t::replace);
-  return run;
-} catch (const Json::exception&) {
-  return std::nullopt;
-}
 
 std::string heading_of(const Sweep& sweep) {
   std::vector<std::string> keys;
@@ -73,6 +52,8 @@ std::string status_of(const FinishedSweepRun& run) {
   return run.found->usable ? "ok" : "failed";
 }
 
+std::string verdict_of(const FinishedSweepRun& run) { return run.found ? to_string(run.found->verdict) : ""; }
+
 std::string cell(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
   std::string quoted = "\"";
@@ -86,38 +67,7 @@ std::optional<double> mean_nis(const FinishedSweepRun& run) {
   return run.found && run.found->filter ? run.found->filter->consistency.mean_nis : std::nullopt;
 }
 
-/// One number a run, NaN where it is unknown.
-template <class Read>
-Eigen::VectorXd array_of(std::size_t count, const Read& read) {
-  Eigen::VectorXd values(static_cast<Index>(count));
-  for (std::size_t i = 0; i < count; ++i)
-    values[static_cast<Index>(i)] = read(i).value_or(std::numeric_limits<double>::quiet_NaN());
-  return values;
-}
-
 }  // namespace
-
-SweepLog::SweepLog(fs::path file, const Sweep& sweep) : file_(std::move(file)), heading_(heading_of(sweep)) {
-  std::ifstream existing(file_, std::ios::binary);
-  std::string line;
-  if (std::getline(existing, line) && line + "\n" == heading_)
-    while (std::getline(existing, line))
-      if (auto run = run_in(line); run && run->number < sweep.plan().size()) known_.push_back(std::move(*run));
-  existing.close();
-  finish(known_);
-  stream_.open(file_, std::ios::binary | std::ios::app);
-}
-
-void SweepLog::add(const SweepRun& run) {
-  stream_ << line_of(run) << std::flush;
-  if (!stream_) fail_to_write(file_, ENOSPC);
-}
-
-void SweepLog::finish(const std::vector<SweepRun>& runs) {
-  std::string text = heading_;
-  for (const auto& run : runs) text += line_of(run);
-  write_file_atomically(file_, text);
-}
 
 std::vector<FinishedSweepRun> finished_runs(const std::vector<SweepRun>& runs) {
   std::vector<FinishedSweepRun> finished;
@@ -139,11 +89,11 @@ std::string sweep_csv(const SweepPlan& plan, const std::vector<FinishedSweepRun>
   }
   text += "\n";
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    const auto& [run, found] = runs[i];
+    const SweepRun& run = runs[i].run;
     text += std::to_string(run.number + 1);
     for (const auto& value : run.values) text += "," + cell(value);
-    text += "," + (run.seed ? std::to_string(*run.seed) : "") + "," + status_of(runs[i]) + "," +
-            (found ? to_string(found->verdict) : "") + "," + cell(mean_nis(runs[i]));
+    text += "," + (run.seed ? std::to_string(*run.seed) : "") + "," + status_of(runs[i]) + "," + verdict_of(runs[i]) +
+            "," + cell(mean_nis(runs[i]));
     for (const auto& column : columns) {
       const FoundParameter parameter = column.values[i].value_or(FoundParameter{});
       text += "," + cell(parameter.estimate) + "," + cell(parameter.deviation()) + "," + cell(parameter.truth);
@@ -153,34 +103,81 @@ std::string sweep_csv(const SweepPlan& plan, const std::vector<FinishedSweepRun>
   return text;
 }
 
-void write_sweep_arrays(const fs::path& file, const SweepPlan& plan, const std::vector<FinishedSweepRun>& runs) {
-  Hdf5File arrays = Hdf5File::create(file.string());
-  const std::size_t count = runs.size();
-  arrays.write_axis("/run", static_cast<Index>(count));
-  const auto write = [&](const std::string& name, const Eigen::VectorXd& values) {
-    arrays.write(name, values);
-    arrays.set_axes(name, {"/run"});
-  };
-  const auto write_texts = [&](const std::string& name, const auto& text_of) {
-    std::vector<std::string> texts;
+SweepArrays sweep_arrays(const SweepPlan& plan, const std::vector<FinishedSweepRun>& runs) {
+  SweepArrays arrays;
+  const auto add_texts = [&](const std::string& path, const auto& text_of) {
+    auto& texts = arrays.texts.emplace_back(SweepArrays::Texts{path, {}}).values;
     for (const auto& run : runs) texts.push_back(text_of(run));
-    arrays.write_strings(name, texts);
   };
   for (std::size_t a = 0; a < plan.axes.size(); ++a)
-    write_texts("/axes/" + plan.axes[a].key, [a](const auto& run) { return run.run.values[a]; });
-  write_texts("/status", status_of);
-  if (plan.seeds > 0)
-    write("/seed", array_of(count, [&](std::size_t i) { return std::optional<double>(runs[i].run.seed); }));
-  write("/mean_nis", array_of(count, [&](std::size_t i) { return mean_nis(runs[i]); }));
+    add_texts("/axes/" + plan.axes[a].key, [a](const auto& run) { return run.run.values[a]; });
+  add_texts("/status", status_of);
+  add_texts("/verdict", verdict_of);
+
+  const auto add = [&](const std::string& path, const std::string& unit, const auto& value_of) {
+    Eigen::VectorXd values(static_cast<Index>(runs.size()));
+    for (std::size_t i = 0; i < runs.size(); ++i)
+      values[static_cast<Index>(i)] = value_of(i).value_or(std::numeric_limits<double>::quiet_NaN());
+    arrays.numbers.push_back({path, std::move(values), unit});
+  };
+  if (plan.seeds > 0) add("/seed", "", [&](std::size_t i) { return std::optional<double>(runs[i].run.seed); });
+  add("/mean_nis", "", [&](std::size_t i) { return mean_nis(runs[i]); });
   for (const auto& column : columns_of(runs)) {
     const std::string group = "/parameters/" + column.name;
     const auto value = [&](std::size_t i) { return column.values[i].value_or(FoundParameter{}); };
-    write(group + "/estimate", array_of(count, [&](std::size_t i) { return value(i).estimate; }));
-    write(group + "/std", array_of(count, [&](std::size_t i) { return value(i).deviation(); }));
-    write(group + "/true", array_of(count, [&](std::size_t i) { return value(i).truth; }));
-    arrays.set_attribute(group, "unit", column.unit);
+    add(group + "/estimate", column.unit, [&](std::size_t i) { return value(i).estimate; });
+    add(group + "/std", column.unit, [&](std::size_t i) { return value(i).deviation(); });
+    add(group + "/true", column.unit, [&](std::size_t i) { return value(i).truth; });
   }
-  arrays.close();
+  return arrays;
+}
+
+namespace {
+
+void write_arrays(const fs::path& file, const SweepArrays& arrays) {
+  Hdf5File hdf5 = Hdf5File::create(file.string());
+  if (!arrays.texts.empty()) hdf5.write_axis("/run", std::ssize(arrays.texts.front().values));
+  for (const auto& [path, values] : arrays.texts) hdf5.write_strings(path, values);
+  for (const auto& [path, values, unit] : arrays.numbers) {
+    hdf5.write(path, values);
+    hdf5.set_axes(path, {"/run"});
+    if (!unit.empty()) hdf5.set_attribute(path, "unit", unit);
+  }
+  hdf5.close();
+}
+
+const char* const file_names[] = {"runs.jsonl", "sweep.csv", "sweep.h5"};
+
+}  // namespace
+
+SweepFolder::SweepFolder(const fs::path& folder, const Sweep& sweep)
+    : lock_(folder), folder_(folder), plan_(sweep.plan()), heading_(heading_of(sweep)) {
+  for (const char* name : file_names) require_writable(folder_ / name);
+  const fs::path file = folder_ / "runs.jsonl";
+  std::ifstream existing(file, std::ios::binary);
+  std::string line, text = heading_;
+  if (std::getline(existing, line) && line + "\n" == heading_)
+    while (std::getline(existing, line))
+      if (auto run = sweep_run_of(line); run && run->number < plan_.size()) {
+        text += line + "\n";
+        known_.push_back(std::move(*run));
+      }
+  existing.close();
+  write_file_atomically(file, text);
+  stream_.open(file, std::ios::binary | std::ios::app);
+}
+
+void SweepFolder::add(const SweepRun& run) {
+  stream_ << to_line(run) << "\n" << std::flush;
+  if (!stream_) fail_to_write(folder_ / "runs.jsonl", ENOSPC);
+}
+
+void SweepFolder::finish(const std::vector<FinishedSweepRun>& runs) {
+  std::string text = heading_;
+  for (const auto& [run, found] : runs) text += to_line(run) + "\n";
+  write_file_atomically(folder_ / "runs.jsonl", text);
+  write_file_atomically(folder_ / "sweep.csv", sweep_csv(plan_, runs));
+  write_arrays(folder_ / "sweep.h5", sweep_arrays(plan_, runs));
 }
 
 }  // namespace kalfem

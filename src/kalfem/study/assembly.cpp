@@ -153,8 +153,7 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 
 /// Translates the target of an excitation. Accelerated grounds become displaced ones, whose displacement is the
 /// integral of the signal; an accelerated base without named grounds stays an acceleration of the whole structure.
-InputDescription make_input(const std::string& name, const description::Excitation& given,
-                            const std::vector<std::string>& grounds) {
+InputDescription make_input(const std::string& name, const description::Excitation& given, bool of_grounds) {
   if (const auto* base = std::get_if<description::BaseDisplacement>(&given.target))
     return {name, InputKind::base_displacement, base->ground.value, {}, base->ground.location};
   if (const auto* force = std::get_if<description::Force>(&given.target))
@@ -162,8 +161,6 @@ InputDescription make_input(const std::string& name, const description::Excitati
   if (const auto* signal = std::get_if<description::SignalTarget>(&given.target))
     return {name, InputKind::base_displacement, signal->ground.value, {}, signal->ground.location};
   const auto& [direction, location, path] = std::get<description::BaseAcceleration>(given.target).direction;
-  const bool of_grounds =
-      std::ranges::any_of(direction, [&](const auto& each) { return contains(grounds, each.first); });
   if (of_grounds)
     return {name, InputKind::base_displacement, direction.front().first, combination(direction), location};
   const bool all = direction.size() == 1 && direction.front().first == "all";
@@ -218,6 +215,17 @@ std::string spring_name(const description::Spring& spring) {
   return spring.name.empty() ? spring.from.value + "-" + spring.to.value : spring.name;
 }
 
+bool accelerates_grounds(const Case& given, const description::Excitation& excitation) {
+  const auto* base = std::get_if<description::BaseAcceleration>(&excitation.target);
+  if (!base) return false;
+  std::vector<std::string> grounds;
+  for (const auto& [part, substructure] : given.substructures) {
+    grounds.push_back(part + ".ground");
+    for (const auto& ground : substructure.grounds) grounds.push_back(part + "." + ground);
+  }
+  return std::ranges::any_of(base->direction.value, [&](const auto& each) { return contains(grounds, each.first); });
+}
+
 std::vector<std::string> attached_points(const Case& given, const std::string& substructure) {
   std::vector<std::string> points;
   const auto add = [&](const std::string& point) {
@@ -260,8 +268,8 @@ StructureParts make_parts(const Case& given, std::vector<Substructure> finite_el
   const bool points_are_known = issues.empty();
   for (const auto& [name, connector] : given.connectors)
     add_connector(name, key_of_connector(name, given), connector, parts, issues);
-  const auto grounds = ground_names(parts);
-  for (const auto& [name, excitation] : given.excitation) parts.inputs.push_back(make_input(name, excitation, grounds));
+  for (const auto& [name, excitation] : given.excitation)
+    parts.inputs.push_back(make_input(name, excitation, accelerates_grounds(given, excitation)));
   if (given.damping) parts.damping = global_modal_damping(given, issues);
   if (points_are_known) check_places(given, parts, issues);
   return parts;

@@ -27,9 +27,13 @@ struct SignalNotes {
   std::vector<std::string> preparation = {};  ///< what was done to measured inputs, as the case asks
 };
 
-/// Makes one signal per input. `duration` [s] is the period of random signals that have none of their own.
-std::vector<SignalPtr> make_signals(const description::Case& given, const std::vector<InputDescription>& inputs,
-                                    double duration, IssueList& issues, SignalNotes& notes);
+/// Makes one signal per excitation, which is an input each. `duration` [s] is the period of random signals that have
+/// none of their own.
+std::vector<SignalPtr> make_signals(const description::Case& given, double duration, IssueList& issues,
+                                    SignalNotes& notes);
+
+/// Whether the excitation is the acceleration of named grounds, which becomes their displacement.
+bool accelerates_grounds(const description::Case& given, const description::Excitation& excitation);
 
 /// Name of the spring in parameters: the case's, or "from-to" if it gives none.
 std::string spring_name(const description::Spring& spring);

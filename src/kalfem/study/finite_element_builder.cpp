@@ -7,6 +7,7 @@
 #include "kalfem/formats/gmsh/gmsh.hpp"
 #include "kalfem/model/gauges/gauge_placement.hpp"
 #include "kalfem/model/mesh/split_quadratic_shells.hpp"
+#include "kalfem/model/placement.hpp"
 #include "kalfem/model/unit_system.hpp"
 #include "kalfem/study/assembly.hpp"
 
@@ -69,9 +70,9 @@ std::vector<std::string> names_of(const Map& map) {
   return names;
 }
 
-/// Builds one model in steps: mesh, deck or matrices; materials and properties of regions; linear shells in place of
-/// quadratic ones; named nodes; then masses, springs, links and supports at these nodes. An unknown name becomes an
-/// issue with its place, and the building continues.
+/// Builds one model in steps: mesh, deck or matrices; materials and properties of regions; their placement; linear
+/// shells in place of quadratic ones; named nodes; then masses, springs, links and supports at these nodes. An unknown
+/// name becomes an issue with its place, and the building continues.
 class Builder {
 public:
   Builder(const std::string& name, const d::Substructure& given, const UsedGroups& used)
@@ -80,6 +81,7 @@ public:
   NamedElements build() {
     read_source();
     add_properties();
+    place_source();
     const auto split = centres_of_split_elements();
     replace_quadratic(model_);
     name_nodes();
@@ -104,8 +106,16 @@ private:
       issues.raise();
     }
     model_.name = name_;
-    model_.mesh.nodes.colwise() += vector(fe_.translate);
     if (fe_.mass_matrix) model_.mass_kind = *fe_.mass_matrix;
+  }
+
+  void place_source() {
+    Placement placement{.shift = vector(fe_.translate)};
+    if (fe_.rotate) {
+      placement.rotation = turn_about(vector(fe_.rotate->axis), fe_.rotate->angle);
+      placement.about = vector(fe_.rotate->about);
+    }
+    place(model_, deck_cases_, placement);
   }
 
   void read(const d::MeshFile& mesh) {
@@ -384,7 +394,9 @@ private:
     for (const auto& [name, link] : fe_.links) {
       const Index master = find_node(link.master.value, link.master.location, link.master.path);
       auto slaves = node_group(link.nodes);
-      std::erase(slaves, master);
+      if (std::erase(slaves, master) > 0 && slaves.empty())
+        issues_.add(link.nodes.location, link.nodes.path + ": '" + link.nodes.value + "' holds the master alone",
+                    "a node cannot follow itself", "name a group of other nodes");
       if (master >= 0 && !slaves.empty()) model_.links.push_back({name, master, slaves, chosen(link.directions)});
     }
     for (const auto& [name, fixed] : fe_.fixed)

@@ -225,7 +225,8 @@ DescribedPart make_finite_element_part(const std::string& name, const d::Substru
   part.name = name;
   part.damping = {{given.damping.mass_factor, given.damping.stiffness_factor},
                   {given.damping.modal, given.damping.modal_up_to}};
-  auto [elements, nodes, gauges, notes, groups, deck_cases] = build_finite_elements(name, given, used_groups(uses));
+  auto [elements, nodes, gauges, notes, groups, deck_cases] =
+      part.times.measure("read", [&] { return build_finite_elements(name, given, used_groups(uses)); });
   part.elements = std::move(elements);
   part.nodes = std::move(nodes);
   part.gauges = std::move(gauges);
@@ -245,7 +246,9 @@ DescribedPart make_finite_element_part(const std::string& name, const d::Substru
     add_grounds(given, part.full);
     add_weighted_points(given, part.full);
     if (!given.damping.modal.empty())
-      add_modal_damping(part.full, given.damping.modal, {.up_to = given.damping.modal_up_to}, part.factor.get());
+      part.times.measure("damping", [&] {
+        add_modal_damping(part.full, given.damping.modal, {.up_to = given.damping.modal_up_to}, part.factor.get());
+      });
   } catch (const InvalidInput& error) {
     IssueList issues;
     issues.add(error, given.finite_elements->location());
@@ -253,6 +256,9 @@ DescribedPart make_finite_element_part(const std::string& name, const d::Substru
   }
   for (const auto& finding : {units_finding(part.elements), coincident_elements_finding(part.elements)})
     if (finding) described.warnings.push_back(finding->what + ": " + finding->why + "; " + finding->fix);
+  if (part.full.mass.norm() == 0.0 && uses.statics == nullptr)
+    described.warnings.push_back("'" + name +
+                                 "' has no mass, and so no natural frequencies; give its materials a density");
   IssueList issues;
   BoundaryMaker maker(described);
   for (const auto& place : boundary) maker.add(place, is_given, issues);

@@ -49,13 +49,14 @@ void take_parts(const d::FrequencyResponses& given, const StructureModel& struct
   plan.parts.shared = structure.parts.shared;
 }
 
-/// Looks up points and grounds of the parts; unknown ones become issues.
+/// Looks up points, gauges and grounds of the parts; unknown ones become issues.
 class ResponsePlaces {
 public:
-  ResponsePlaces(const StructureParts& parts, IssueList& issues)
-      : grounds_(ground_names(parts)),
-        points_(couple({parts.substructures, parts.finite_elements, {}, {}}).reported_points()),
-        issues_(issues) {}
+  ResponsePlaces(const StructureParts& parts, IssueList& issues) : grounds_(ground_names(parts)), issues_(issues) {
+    const CoupledModel alone = couple({parts.substructures, parts.finite_elements, {}, {}});
+    points_ = alone.reported_points();
+    gauges_ = alone.gauges();
+  }
 
   [[nodiscard]] bool is_ground(const Name& name) const { return contains(grounds_, name.value); }
 
@@ -65,9 +66,18 @@ public:
     known.insert(known.end(), grounds_.begin(), grounds_.end());
     refuse(input, "there is no point or ground", known, "a force acts at a point, and grounds move");
   }
-  void check_output(const Name& output) const {
-    if (!contains(points_, output.value))
-      refuse(output, "there is no point", points_, "the responses are motions of points");
+  void check_output(const d::ResponseOutput& output) const {
+    const Name& place = output.point;
+    if (output.quantity == ResponseQuantity::strain) {
+      if (!contains(gauges_, place.value))
+        issues_.add(
+            place.location,
+            place.path + ": there is no strain gauge '" + place.value + "'" + did_you_mean(place.value, gauges_),
+            "strains are those of gauges on finite elements",
+            "define it under `gauges` of the finite elements, and write substructure.name");
+    } else if (!contains(points_, place.value)) {
+      refuse(place, "there is no point", points_, "the responses are motions of points");
+    }
   }
 
 private:
@@ -80,7 +90,7 @@ private:
                 "write it as substructure.name, such as body.1 or frame.p1.z");
   }
 
-  std::vector<std::string> grounds_, points_;
+  std::vector<std::string> grounds_, points_, gauges_;
   IssueList& issues_;
 };
 
@@ -119,12 +129,14 @@ void check_model(const d::FrequencyResponses& given, const FrequencyResponsePlan
 FrequencyResponsePlan make_frequency_response_plan(const d::Case& given, const StructureModel& structure,
                                                    IssueList& issues) {
   const auto& responses = given.frequency_response->value;
-  FrequencyResponsePlan plan{
-      .frequencies = lines_of(responses.frequencies.value), .model = responses.model.value, .method = responses.method};
+  FrequencyResponsePlan plan{.frequencies = lines_of(responses.frequencies.value),
+                             .lines_at = responses.frequencies.location,
+                             .model = responses.model.value,
+                             .method = responses.method};
   take_parts(responses, structure, plan);
   check_model(responses, plan, issues);
   const ResponsePlaces places(plan.parts, issues);
-  for (const auto& output : responses.outputs) places.check_output(output.point);
+  for (const auto& output : responses.outputs) places.check_output(output);
   for (const auto& input : responses.inputs) {
     places.check_input(input);
     const bool moves = places.is_ground(input);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "kalfem/base/invalid_input.hpp"
 #include "kalfem/casefile/frequency_response_description.hpp"
 #include "kalfem/identification/structure.hpp"
 #include "kalfem/updating/frf_set.hpp"
@@ -19,6 +20,7 @@ struct Case;
 /// Frequency responses that a case asks for, with every name looked up.
 struct FrequencyResponsePlan {
   Eigen::VectorXd frequencies;  ///< [Hz], ascending
+  SourceLocation lines_at;      ///< where the case states them
   std::vector<FrfSet> sets;     ///< of each input, one for each quantity of its outputs
   description::ResponseModel model = description::ResponseModel::full;
   description::ResponseMethod method = description::ResponseMethod::modal;

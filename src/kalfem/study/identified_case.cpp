@@ -231,7 +231,7 @@ public:
   }
 
   [[nodiscard]] IdentifiedCase finish() const {
-    const auto schema = d::case_schema();
+    static const auto schema = d::case_schema();
     const auto written =
         as_given(schema.write(given_), schema.write(*study_.description), study_.description->source.root());
     std::string comments;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <map>
+#include <tuple>
 
 #include "kalfem/study/node_groups.hpp"
 
@@ -26,6 +28,8 @@ std::string metres(double length) {
 
 /// What a node can do in a direction.
 enum class Mobility { free, held, follows_others, absent };
+
+bool moves(Mobility mobility) { return mobility == Mobility::free || mobility == Mobility::follows_others; }
 
 /// One side of a joint: nodes of a substructure.
 class Side {
@@ -65,12 +69,15 @@ public:
 
   /// Finds the partner of each node; false, with an issue, where one has none.
   bool pair(IssueList& issues) {
-    const bool first_fits = find_partners(first_, second_, partners_, issues);
     std::vector<Index> back;
-    return find_partners(second_, first_, back, issues) && first_fits;
+    return find_partners(first_, second_, partners_, issues) && find_partners(second_, first_, back, issues);
   }
 
+  /// Nodes of the second side, in the order of the first one's.
+  [[nodiscard]] const std::vector<Index>& partners() const { return partners_; }
+
   std::vector<SharedDof> share(std::vector<std::string>& warnings, IssueList& issues) {
+    warn_of_gap(warnings);
     std::vector<SharedDof> shared;
     for (std::size_t i = 0; i < partners_.size(); ++i)
       for (int direction = 0; direction < 6; ++direction) {
@@ -78,7 +85,7 @@ public:
         const Mobility of_one = first_.mobility(one), of_other = second_.mobility(other);
         if (of_one == Mobility::free && of_other == Mobility::free)
           shared.push_back({first_.qualified(one), second_.qualified(other)});
-        else if (of_one != of_other)
+        else if (moves(of_one) || moves(of_other))
           note_difference(one, of_one, of_other, issues);
       }
     warn_of_rotations(warnings);
@@ -86,9 +93,21 @@ public:
   }
 
 private:
-  [[nodiscard]] double default_tolerance() const {
+  [[nodiscard]] double element_size() const {
     const auto sizes = element_sizes(first_.part.elements.mesh, first_.nodes);
-    return 1e-3 * *std::ranges::min_element(sizes);
+    return *std::ranges::min_element(sizes);
+  }
+  [[nodiscard]] double default_tolerance() const { return 1e-3 * element_size(); }
+
+  void warn_of_gap(std::vector<std::string>& warnings) const {
+    constexpr double visible = 0.01;  // of an element
+    double gap = 0.0;
+    for (std::size_t i = 0; i < partners_.size(); ++i)
+      gap = std::max(gap, (second_.place(partners_[i]) - first_.place(first_.nodes[i])).norm());
+    if (gap > visible * element_size())
+      warnings.push_back("the joint of '" + first_.name.value + "' and '" + second_.name.value +
+                         "' unites nodes up to " + metres(gap) +
+                         " apart: a turn of the whole structure strains it there");
   }
 
   /// The nearest node of `other` to each node of `side`.
@@ -133,9 +152,10 @@ private:
     if (refused_) return;  // one message tells of all nodes of the joint
     refused_ = true;
     const Side& side = first_differs ? first_ : second_;
-    const char* reason = worse == Mobility::held             ? "a support holds it there"
-                         : worse == Mobility::follows_others ? "a link or constraint lets it follow other nodes"
-                                                             : "no element, spring or mass touches it";
+    const char* reason = worse == Mobility::held ? "a support holds it there"
+                         : worse == Mobility::follows_others
+                             ? "a link or constraint lets it follow other nodes"
+                             : "no element, spring or mass touches it, or what it follows is held";
     issues.add(first_.name.location,
                first_.name.path + ": " + first_.title_of(one.node) + " of '" + first_.name.value +
                    "' and its partner cannot move alike along " +
@@ -155,6 +175,47 @@ private:
   std::vector<Index> partners_;  ///< of the first side's nodes
   std::size_t single_rotations_ = 0;
   bool refused_ = false;
+};
+
+/// What joints have joined so far, so that no two of them contradict or repeat each other.
+class JoinedNodes {
+public:
+  /// Notes the partners of a joint; false, with an issue, where another joint gives a node another partner of the same
+  /// substructure, or joins all of these nodes already.
+  bool add(const std::string& joint, const Side& one, const Side& other, const std::vector<Index>& partners,
+           IssueList& issues) {
+    std::size_t known = 0;
+    const Partner* last = nullptr;
+    for (std::size_t i = 0; i < partners.size(); ++i)
+      for (const auto& [side, node, facing, partner] :
+           {std::tuple(&one, one.nodes[i], &other, partners[i]), std::tuple(&other, partners[i], &one, one.nodes[i])}) {
+        const auto [place, is_new] =
+            partners_.try_emplace({side->part.name, node, facing->part.name}, Partner{partner, joint});
+        if (is_new) continue;
+        last = &place->second;
+        if (last->node != partner) {
+          issues.add(one.name.location,
+                     "joints." + joint + ": " + side->title_of(node) + " of '" + side->part.name +
+                         "' would be joined to " + facing->title_of(partner) + " of '" + facing->part.name +
+                         "', and joint '" + last->joint + "' joins it to " + facing->title_of(last->node),
+                     "both nodes would become one",
+                     "state a smaller `tolerance`, or remove the node from one of the groups");
+          return false;
+        }
+        ++known;
+      }
+    if (known < 2 * partners.size()) return true;
+    issues.add(one.name.location, "joints." + joint + ": joint '" + last->joint + "' joins these nodes already",
+               "it would have no effect", "remove one of the two");
+    return false;
+  }
+
+private:
+  struct Partner {
+    Index node;
+    std::string joint;
+  };
+  std::map<std::tuple<std::string, Index, std::string>, Partner> partners_;  ///< by node and the other substructure
 };
 
 /// The substructure of one end of a joint; null, with an issue, where it is none with finite elements.
@@ -208,11 +269,12 @@ void check_joints(const d::Case& given, IssueList& issues) {
 std::vector<SharedDof> make_joints(const d::Case& given, const StructureModel& structure,
                                    std::vector<std::string>& warnings, IssueList& issues) {
   std::vector<SharedDof> all;
+  JoinedNodes joined;
   for (const auto& [name, joint] : given.joints) {
     const auto& [one, other] = joint.between;
     const Side from(part_of(structure, one), one), to(part_of(structure, other), other);
     Joiner joiner(from, to, joint.tolerance);
-    if (!joiner.pair(issues)) continue;
+    if (!joiner.pair(issues) || !joined.add(name, from, to, joiner.partners(), issues)) continue;
     const auto shared = joiner.share(warnings, issues);
     all.insert(all.end(), shared.begin(), shared.end());
   }

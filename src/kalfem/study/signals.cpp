@@ -12,6 +12,7 @@
 #include "kalfem/system/signals/deterministic.hpp"
 #include "kalfem/system/signals/ground_motion.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
+#include "kalfem/system/signals/remembered.hpp"
 #include "kalfem/system/signals/sampled.hpp"
 #include "kalfem/yaml/bounds.hpp"
 
@@ -336,29 +337,22 @@ SourceLocation location_of(const d::Case& given, const std::string& name) {
   return place.file.empty() ? place_of(found->second) : place;
 }
 
-/// Whether the input moves grounds by their acceleration.
-bool is_integrated(const d::Case& given, const InputDescription& input) {
-  const auto found = std::ranges::find(given.excitation, input.name, &std::pair<std::string, d::Excitation>::first);
-  return input.kind == InputKind::base_displacement &&
-         std::holds_alternative<d::BaseAcceleration>(found->second.target);
-}
-
 }  // namespace
 
-std::vector<SignalPtr> make_signals(const description::Case& given, const std::vector<InputDescription>& inputs,
-                                    double duration, IssueList& issues, SignalNotes& notes) {
+std::vector<SignalPtr> make_signals(const description::Case& given, double duration, IssueList& issues,
+                                    SignalNotes& notes) {
   MadeSignals all{given, duration, notes};
   std::vector<SignalPtr> signals;
-  for (const auto& input : inputs) {
+  for (const auto& [name, excitation] : given.excitation) {
     try {
-      signals.push_back(signal_of(all, input.name, is_integrated(given, input)));
+      signals.push_back(remembered(signal_of(all, name, accelerates_grounds(given, excitation))));
     } catch (const InvalidInput& error) {
-      const auto known = location_of(given, input.name);
+      const auto known = location_of(given, name);
       IssueList placed;
-      add_at(known.line > 0 ? known : given.source.at({"excitation", input.name}), error, placed);
+      add_at(known.line > 0 ? known : given.source.at({"excitation", name}), error, placed);
       for (const auto& issue : placed.issues()) {
-        const bool own_key = input.name.find('.') != std::string::npos;  // of a component or of a law's signal
-        const std::string path = own_key ? input.name : "excitation." + input.name;
+        const bool own_key = name.find('.') != std::string::npos;  // of a component or of a law's signal
+        const std::string path = own_key ? name : "excitation." + name;
         const bool named = issue.what.starts_with(path);
         issues.add(issue.location, named ? issue.what : path + ": " + issue.what, issue.why, issue.fix);
       }

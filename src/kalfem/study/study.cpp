@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "kalfem/base/stopwatch.hpp"
 #include "kalfem/casefile/case_schema.hpp"
 #include "kalfem/identification/augmented_model_setup.hpp"
 #include "kalfem/identification/filter_run.hpp"
@@ -104,7 +105,7 @@ public:
 
   Study make() {
     make_structure();
-    read_record();
+    place_sensors();
     make_updating();
     make_estimation();
     make_validation();
@@ -122,6 +123,7 @@ private:
          [&](IssueList& issues) { check_sections(study_.given, issues); });
     step(joint_names, {substructures, joints}, {"joints"},
          [&](IssueList& issues) { check_joints(study_.given, issues); });
+    read_signals();
     step(elements, needs_of_elements(), {"substructures"},
          [&](IssueList& issues) { add_finite_elements(*structure_, study_, progress_, issues); });
     step(parts, {substructures, elements, component}, {"substructures"},
@@ -136,16 +138,20 @@ private:
          });
   }
 
-  void read_record() {
+  /// What can be wrong without the matrices is told before they are made.
+  void read_signals() {
     step(record, {record, sensors}, {"record", "file"}, [&](IssueList&) {
       if (study_.given.record) study_.record = read_measured_record(study_.given);
     });
+    step(signals, needs_of_signals(), {"excitation"}, [&](IssueList& issues) { make_signals_of_inputs(issues); });
+  }
+
+  void place_sensors() {
     step(placed_sensors, {model, sensors}, {"sensors"},
          [&](IssueList& issues) { study_.sensors = make_sensors(study_, issues); });
     step(record_noise, {record, placed_sensors}, {"record"}, [&](IssueList&) {
       if (study_.record) set_noise(study_);  // throws if a channel has no noise
     });
-    step(signals, needs_of_signals(), {"excitation"}, [&](IssueList& issues) { make_signals_of_inputs(issues); });
     step(simulate, {model, simulate}, {"simulate"}, [&](IssueList& issues) { check_simulation(study_, issues); });
     step(pictures, {report, record, simulate}, {"report"}, [&](IssueList& issues) { check_pictures(study_, issues); });
     step(excitation, {parts, signals, simulate, record}, {"excitation"},
@@ -240,15 +246,15 @@ private:
   /// Finite elements are assembled for the points and parameters that other sections name.
   [[nodiscard]] StudyItems needs_of_elements() const {
     if (!has_finite_elements(study_.given)) return {substructures};
-    return {substructures, joint_names, connectors, excitation,    sensors,
-            simulate,      estimate,    update,     modifications, statics};
+    return {substructures, joint_names, connectors,    excitation, sensors, simulate,
+            estimate,      update,      modifications, statics,    signals};
   }
 
   /// Other problems of the excitation do not matter to its signals.
   [[nodiscard]] StudyItems needs_of_signals() const {
     const bool last_as_long = std::ranges::any_of(study_.given.excitation, lasts_as_long_as_the_simulation);
-    if (last_as_long && !steps_.was_read(simulate)) return {simulate, substructures, elements};
-    return {substructures, elements};
+    if (last_as_long && !steps_.was_read(simulate)) return {simulate};
+    return {};
   }
 
   void check_names(IssueList& issues) {
@@ -262,7 +268,7 @@ private:
     constexpr double duration_without_simulation = 10.0;  // [s]
     const double duration = study_.given.simulate ? study_.given.simulate->duration : duration_without_simulation;
     SignalNotes notes;
-    structure_->signals = make_signals(study_.given, structure_->parts.inputs, duration, issues, notes);
+    structure_->signals = make_signals(study_.given, duration, issues, notes);
     std::ranges::move(notes.remarks, std::back_inserter(study_.warnings));
     auto& preparation = study_.record ? study_.record->preparation : study_.warnings;
     std::ranges::move(notes.preparation, std::back_inserter(preparation));
@@ -294,11 +300,14 @@ private:
 }  // namespace
 
 Study load_study(const std::string& file, const std::vector<CaseChange>& changes, const Progress& progress) try {
+  const Stopwatch watch;
   IssueList issues;
   d::Case given =
       read_case_text(read_text_file(file), file, shared_case_schema(), issues, process_environment(), changes);
   if (given.source.empty()) raise_in_line_order(issues);
-  return StudyMaker(std::move(given), file, issues, progress).make();
+  Study study = StudyMaker(std::move(given), file, issues, progress).make();
+  study.load_seconds = watch.seconds();
+  return study;
 } catch (const InvalidInput& error) {
   if (changes.empty()) throw;
   throw InvalidInput(with_changes_named(error.issues(), changes));

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 
+#include "kalfem/base/phase_times.hpp"
 #include "kalfem/base/progress.hpp"
 #include "kalfem/formats/deck.hpp"
 #include "kalfem/identification/updating_setup.hpp"
@@ -37,8 +38,10 @@ struct Study {
   std::vector<std::filesystem::path> files;              ///< that the case names: records, decks, tables
   std::map<std::string, std::string> units;              ///< in which it states its parameters, see written_units()
   StructurePtr structure;
-  std::vector<ElementNotes> element_notes;  ///< one per finite-element substructure
-  double reduce_seconds = 0.0;
+  std::vector<ElementNotes> element_notes;    ///< one per finite-element substructure
+  double reduce_seconds = 0.0;                ///< reading, assembly and reduction of the finite-element substructures
+  PhaseTimes reduce_phases;                   ///< parts of them
+  double load_seconds = 0.0;                  ///< all of the reading and checking, with these
   std::shared_ptr<const CoupledModel> model;  ///< the structure as the case gives it
   std::vector<Sensor> sensors;
   std::optional<FrequencyBand> excitation_band;        ///< nothing if no excitation has one

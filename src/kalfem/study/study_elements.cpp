@@ -112,15 +112,20 @@ void add_finite_elements(StructureModel& structure, CaseStudy& study, const Prog
       warn_of_notes(study.element_notes.back(), study.warnings);
       for (const auto& warning : warnings) study.warnings.push_back("substructure '" + name + "': " + warning);
       add_candidate_points(study.given, part);
+      study.reduce_phases.add(part.times);
       FiniteElementSubstructure elements;
       elements.part = std::make_shared<const FiniteElementPart>(std::move(part));
       elements.reduction = reduction_request(given.reduction);
       if (!elements.part->boundary.empty()) {
         elements.reduced = std::make_shared<const Superelement>(
             reduce(*elements.part, elements.reduction, sensor_bandwidth(study.given)));
+        study.reduce_phases.add("reduce", elements.reduced->error_indicators.seconds);
+        study.reduce_phases.add("compare with the full model", elements.reduced->error_indicators.compare_seconds);
         if (study.given.simulate && study.given.simulate->superelements)
-          elements.reference =
-              std::make_shared<const Superelement>(reduce_up_to(*elements.part, study.given.simulate->modes_up_to));
+          elements.reference = study.reduce_phases.measure("reduce for the reference", [&] {
+            return std::make_shared<const Superelement>(
+                reduce_up_to(*elements.part, study.given.simulate->modes_up_to));
+          });
       }
       structure.finite_elements.push_back(std::move(elements));
     } catch (const InvalidInput& error) {

@@ -182,8 +182,7 @@ ValidationPlan make_validation_plan(const CaseStudy& study, IssueList& issues) {
   set_start(validate, place, plan, issues);
   plan.signals = study.structure->signals;
   SignalNotes notes;  // the case's own record has told the remarks
-  if (validate.record)
-    plan.signals = make_signals(other, study.structure->parts.inputs, plan.record.record.end(), issues, notes);
+  if (validate.record) plan.signals = make_signals(other, plan.record.record.end(), issues, notes);
   std::ranges::move(notes.preparation, std::back_inserter(plan.record.preparation));
   if (issues.empty()) check_cover(study, plan, issues);
   return plan;

@@ -77,11 +77,20 @@ private:
   SparseMatrix directions_;
 };
 
-void add_points(const Substructure& part, LinearModel& model) {
-  for (const auto& [name, combination] : part.model->points) {
-    auto& point = model.points[part.name + "." + name];
-    for (const auto& [dof, coefficient] : combination) point[part.name + "." + dof] = coefficient;
-  }
+/// Points and gauges of a part under the names of the whole; a degree of freedom that parts share has one name.
+void add_places(const Substructure& part, const CoupledModel& coupled, LinearModel& model) {
+  const auto of_whole = [&](const DofCombination& combination) {
+    DofCombination sum;
+    for (const auto& [dof, coefficient] : combination) {
+      const auto place = static_cast<std::size_t>(coupled.dof_index(part.name + "." + dof));
+      sum[model.dofs[place]] += coefficient;
+    }
+    return sum;
+  };
+  for (const auto& [name, combination] : part.model->points)
+    model.points[part.name + "." + name] = of_whole(combination);
+  for (const auto& [name, combination] : part.model->gauges)
+    model.gauges[part.name + "." + name] = of_whole(combination);
 }
 
 }  // namespace
@@ -103,7 +112,7 @@ LinearModel linearised_at_rest(const CoupledModel& coupled) {
     connectors.add_to(ground, i);
     model.grounds.push_back(std::move(ground));
   }
-  for (const auto& part : coupled.substructures()) add_points(part, model);
+  for (const auto& part : coupled.substructures()) add_places(part, coupled, model);
   return model;
 }
 

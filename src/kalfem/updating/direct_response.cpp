@@ -1,7 +1,5 @@
 #include "kalfem/updating/direct_response.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -97,14 +95,6 @@ struct Loads {
   [[nodiscard]] MatrixXcd at(Complex s) const { return constant + s * per_s; }
 };
 
-[[noreturn]] void refuse_resonance(double frequency) {
-  throw InvalidInput(fmt::format("the equations of motion are singular at {:.6g} Hz", frequency),
-                     frequency == 0.0 ? "the structure can move as a rigid body, so it has no static response"
-                                      : "an undamped mode resonates there: its response is infinite",
-                     frequency == 0.0 ? "begin above 0 Hz or support the structure"
-                                      : "give the structure damping or choose other lines");
-}
-
 }  // namespace
 
 std::vector<MatrixXcd> direct_responses(const LinearModel& model, const std::vector<FrfSet>& sets,
@@ -127,9 +117,9 @@ std::vector<MatrixXcd> direct_responses(const LinearModel& model, const std::vec
     const Complex s(0.0, 2.0 * std::numbers::pi * frequencies[line]);
     const ComplexSparseMatrix matrix = stiffness.at(s);
     const MatrixXcd load = loads.at(s);
-    if (!factor.factor(matrix)) refuse_resonance(frequencies[line]);
+    if (!factor.factor(matrix)) throw singular_at(frequencies[line]);
     const MatrixXcd answers = factor.solve(load);
-    if (stiffness.cancels(answers, load, s)) refuse_resonance(frequencies[line]);
+    if (stiffness.cancels(answers, load, s)) throw singular_at(frequencies[line]);
     for (std::size_t i = 0; i < sets.size(); ++i)
       responses[i].row(line) = (std::pow(s, derivative_order(sets[i])) *
                                 (places[i].outputs.transpose() * answers.col(static_cast<Index>(i)).head(model.size())))

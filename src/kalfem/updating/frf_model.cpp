@@ -108,6 +108,13 @@ FrfLine FrfEvaluation::at(std::size_t index, Complex s) const {
   return line;
 }
 
+bool FrfEvaluation::is_singular(Complex s) const {
+  constexpr double rounding = 1e-13;
+  const Eigen::ArrayXcd impedance = basis.stiffness + s * s * basis.mass + s * damping.diagonal();
+  const Eigen::ArrayXd forces = basis.stiffness.array().abs() + std::norm(s) * basis.mass.array();
+  return (impedance.abs() <= rounding * forces).any();
+}
+
 FrfModel::FrfModel(std::shared_ptr<const ParameterisedModel> model, std::vector<FrfSet> sets, double highest,
                    const VectorXd& parameters, const ResponseBasisOptions& options)
     : model_(std::move(model)), sets_(std::move(sets)), highest_(highest), options_(options) {

@@ -97,6 +97,8 @@ struct FrfEvaluation {
   std::vector<Set> sets;
   std::vector<Derivative> derivatives;  ///< one a parameter; empty where not asked for
 
+  /// Whether an undamped shape has no impedance k + s c + s^2 m, but for rounding: an answer would be infinite.
+  [[nodiscard]] bool is_singular(std::complex<double> s) const;
   /// Line of a set, with derivatives where they are at hand.
   [[nodiscard]] FrfLine at(std::size_t set, std::complex<double> s) const;
 };

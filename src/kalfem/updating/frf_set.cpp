@@ -1,6 +1,9 @@
 #include "kalfem/updating/frf_set.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <map>
 
 #include "kalfem/base/invalid_input.hpp"
@@ -12,26 +15,37 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Displacement of a point per degree of freedom; unknown ones become issues.
-class Points {
+/// Displacement of a point, and strain at a gauge, per degree of freedom; unknown ones become issues.
+class Places {
 public:
-  explicit Points(const LinearModel& model) : model_(model) {
+  explicit Places(const LinearModel& model) : model_(model) {
     for (std::size_t i = 0; i < model.dofs.size(); ++i) places_[model.dofs[i]] = static_cast<Index>(i);
   }
 
-  [[nodiscard]] VectorXd vector(const std::string& name, IssueList& issues) const {
-    VectorXd vector = VectorXd::Zero(model_.size());
-    if (const auto point = model_.points.find(name); point != model_.points.end())
-      for (const auto& [dof, coefficient] : point->second) vector[places_.at(dof)] += coefficient;
-    else if (const auto dof = places_.find(name); dof != places_.end())
-      vector[dof->second] = 1.0;
-    else
-      issues.add({}, "there is no point '" + name + "'" + did_you_mean(name, names()),
-                 "an FRF needs degrees of freedom or named points of the model");
-    return vector;
+  [[nodiscard]] VectorXd point(const std::string& name, IssueList& issues) const {
+    if (const auto point = model_.points.find(name); point != model_.points.end()) return vector(point->second);
+    if (places_.contains(name)) return vector({{name, 1.0}});
+    issues.add({}, "there is no point '" + name + "'" + did_you_mean(name, names()),
+               "an FRF needs degrees of freedom or named points of the model");
+    return vector({});
+  }
+
+  [[nodiscard]] VectorXd gauge(const std::string& name, IssueList& issues) const {
+    if (const auto gauge = model_.gauges.find(name); gauge != model_.gauges.end()) return vector(gauge->second);
+    std::vector<std::string> known;
+    for (const auto& [each, combination] : model_.gauges) known.push_back(each);
+    issues.add({}, "there is no strain gauge '" + name + "'" + did_you_mean(name, known),
+               "an FRF of a strain needs a gauge of the model");
+    return vector({});
   }
 
 private:
+  [[nodiscard]] VectorXd vector(const DofCombination& combination) const {
+    VectorXd vector = VectorXd::Zero(model_.size());
+    for (const auto& [dof, coefficient] : combination) vector[places_.at(dof)] += coefficient;
+    return vector;
+  }
+
   [[nodiscard]] std::vector<std::string> names() const {
     std::vector<std::string> known;
     for (const auto& [name, combination] : model_.points) known.push_back(name);
@@ -66,9 +80,8 @@ std::string per_input(const FrfSet& set) {
 }
 
 std::string unit_of(const FrfSet& set) {
-  const std::string output = set.quantity == ResponseQuantity::displacement ? "m"
-                             : set.quantity == ResponseQuantity::velocity   ? "m/s"
-                                                                            : "m/s^2";
+  constexpr std::array outputs = {"m", "m/s", "m/s^2", "m/m"};
+  const std::string output = outputs[static_cast<std::size_t>(set.quantity)];
   const std::string input = set.input == FrfInput::force                 ? "N"
                             : set.input == FrfInput::ground_displacement ? "m"
                                                                          : "m/s^2";
@@ -77,26 +90,38 @@ std::string unit_of(const FrfSet& set) {
 }
 
 std::string name_of(ResponseQuantity quantity) {
-  return quantity == ResponseQuantity::displacement ? "displacement"
-         : quantity == ResponseQuantity::velocity   ? "velocity"
-                                                    : "acceleration";
+  constexpr std::array names = {"displacement", "velocity", "acceleration", "strain"};
+  return names[static_cast<std::size_t>(quantity)];
 }
 
 int derivative_order(const FrfSet& set) {
-  return static_cast<int>(set.quantity) - (set.input == FrfInput::ground_acceleration ? 2 : 0);
+  const int of_output = set.quantity == ResponseQuantity::strain ? 0 : static_cast<int>(set.quantity);
+  return of_output - (set.input == FrfInput::ground_acceleration ? 2 : 0);
 }
 
 FrfPlaces places_of(const FrfSet& set, const LinearModel& model, IssueList& issues) {
-  const Points points(model);
+  const Places of(model);
   FrfPlaces places;
   if (set.input == FrfInput::force)
-    places.force = points.vector(set.place, issues);
+    places.force = of.point(set.place, issues);
   else
     check_ground(model, set.place, issues);
   places.outputs.resize(model.size(), std::ssize(set.outputs));
-  for (Index j = 0; j < places.outputs.cols(); ++j)
-    places.outputs.col(j) = points.vector(set.outputs[static_cast<std::size_t>(j)], issues);
+  for (Index j = 0; j < places.outputs.cols(); ++j) {
+    const std::string& output = set.outputs[static_cast<std::size_t>(j)];
+    places.outputs.col(j) =
+        set.quantity == ResponseQuantity::strain ? of.gauge(output, issues) : of.point(output, issues);
+  }
   return places;
+}
+
+InvalidInput singular_at(double frequency) {
+  const bool is_static = frequency == 0.0;
+  return InvalidInput(
+      fmt::format("the equations of motion are singular at {:.6g} Hz", frequency),
+      is_static ? "the structure can move as a rigid body, so it has no static response"
+                : "an undamped mode resonates there: its response is infinite",
+      is_static ? "begin above 0 Hz or support the structure" : "give the structure damping or choose other lines");
 }
 
 const GroundCoupling& ground_of(const LinearModel& model, const std::string& name) { return *find_ground(model, name); }

@@ -123,9 +123,10 @@ private:
     for (int i = 0; i < 3; ++i)
       direction[i] = number_or(line, 3 + static_cast<std::size_t>(i), 0.0, "a direction", deck_.problems);
     if (!line.field(0).empty()) {
+      const auto members = deck_.element_list({line.field(0), line.where}, place);
+      if (members.empty()) return;
       std::vector<bool> loaded(deck_.elements.size(), false);
-      for (const Index element : deck_.element_list({line.field(0), line.where}, place))
-        loaded[static_cast<std::size_t>(element)] = true;
+      for (const Index element : members) loaded[static_cast<std::size_t>(element)] = true;
       for (std::size_t i = 0; i < deck_.elements.size(); ++i)
         if (deck_.elements[i].cell >= 0 && !loaded[i]) {
           deck_.problems.add(line.where,
@@ -134,7 +135,11 @@ private:
           break;
         }
     }
-    if (direction.norm() > 0.0) loads_.gravity = value * direction.normalized();
+    if (direction.norm() > 0.0)
+      loads_.gravity = value * direction.normalized();
+    else
+      deck_.problems.add(line.where, "GRAV has no direction", "gravity acts along a line",
+                         "give its three components behind the value");
   }
 
   /// Pn acts on a face of a solid, into it; P on shells, along their normal.
@@ -194,12 +199,18 @@ private:
       const auto directions = directions_of(line, true);
       if (!directions) continue;
       for (const Index node : deck_.node_list({line.field(0), line.where}, place))
-        for (int d = directions->first; d <= directions->last; ++d)
-          if (axes_.contains(node) && *value != 0.0)
-            note(block.keyword, " with a value in axes of *TRANSFORM", "the prescribed motion is read as fixed");
-          else if (*value != 0.0 || loads_.imposed.contains({node, d}))
-            loads_.imposed[{node, d}] = *value;
+        for (int d = directions->first; d <= directions->last; ++d) impose({moved_node(node), d}, *value);
     }
+  }
+
+  /// The node whose degrees of freedom are along the axes of the line.
+  [[nodiscard]] Index moved_node(Index node) const {
+    const auto local = deck_.local_nodes.find(node);
+    return local == deck_.local_nodes.end() ? node : local->second;
+  }
+
+  void impose(const NodalDof& dof, double value) {
+    if (value != 0.0 || loads_.imposed.contains(dof)) loads_.imposed[dof] = value;
   }
 
   [[nodiscard]] LoadCase load_case(const std::string& name) const {

@@ -76,13 +76,17 @@ const Elastic* Materials::find(const std::string& name, const Where& where) {
   Elastic& material = known_[key];
   material.name = raw->second.name;
   read(raw->second, material);
-  return &material;
+  if (material.sheet || material.solid) return &material;
+  known_.erase(key);  // its constants cannot be used, which has been told
+  broken_.insert(key);
+  return nullptr;
 }
 
 void Materials::read(const RawDeck::Material& raw, Elastic& material) {
   for (const auto& block : raw.blocks) {
     if (block.keyword.name != "DENSITY") continue;
-    material.scalar.density = constants_at(temperature_, block, 1, 1, deck_).front();
+    if (const auto values = constants_at(temperature_, block, 1, 1, deck_); !values.empty())
+      material.scalar.density = values.front();
   }
   for (const auto& block : raw.blocks)
     if (block.keyword.name == "ELASTIC") read_elastic(block, material);
@@ -104,30 +108,30 @@ void Materials::read_elastic(const Block& block, Elastic& material) {
   if (type.empty() || type.starts_with("ISO")) {
     material.isotropic = true;
     const auto values = values_of(1, 2);
+    if (values.empty()) return;
     material.scalar.youngs_modulus = values[0];
     material.scalar.poissons_ratio = values[1];
     material.sheet = sheet_of(material.scalar);
     return;
   }
-  if (type.starts_with("LAMINA")) {
-    const auto c = values_of(4, 6);
+  const bool is_lamina = type.starts_with("LAMINA"), is_orthotropic = type.starts_with("ORTHO"),
+             is_anisotropic = type.starts_with("ANISO");
+  if (!is_lamina && !is_orthotropic && !is_anisotropic && !type.starts_with("ENG"))
+    return deck_.problems.add(block.keyword.where, "*ELASTIC has TYPE=" + to_string(type),
+                              "supported: isotropic, engineering constants, lamina, orthotropic and anisotropic",
+                              "correct it");
+  const auto c = is_lamina ? values_of(4, 6) : is_anisotropic ? values_of(21, 21) : values_of(9, 9);
+  if (c.empty()) return;
+  if (is_lamina)
     material.sheet = OrthotropicSheet{c[0], c[1], c[2], c[3], c[4], c[5], material.scalar.density};
-  } else if (type.starts_with("ENG")) {
-    material.solid = from_engineering_constants(values_of(9, 9));
-  } else if (type.starts_with("ORTHO")) {
-    material.solid = from_stiffnesses(values_of(9, 9), true);
-  } else if (type.starts_with("ANISO")) {
-    material.solid = from_stiffnesses(values_of(21, 21), false);
-  } else {
-    deck_.problems.add(block.keyword.where, "*ELASTIC has TYPE=" + to_string(type),
-                       "supported: isotropic, engineering constants, lamina, orthotropic and anisotropic",
-                       "correct it");
-    return;
-  }
+  else if (is_orthotropic || is_anisotropic)
+    material.solid = from_stiffnesses(c, is_orthotropic);
+  else
+    material.solid = from_engineering_constants(c);
   if (material.solid) {
     if (Eigen::LLT<Matrix6>(*material.solid).info() != Eigen::Success)
       material.solid.reset();
-    else if (!type.starts_with("ANISO"))
+    else if (!is_anisotropic)
       material.sheet = sheet_from(*material.solid, material.scalar.density);
   }
   if (!material.solid && !material.sheet)

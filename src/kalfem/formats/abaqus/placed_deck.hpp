@@ -86,6 +86,7 @@ public:
   Mesh& mesh;  ///< gets the nodes and their numbers
   std::vector<PlacedElement> elements;
   std::vector<std::string> regions_by_nodes;  ///< regions whose thickness is given at their nodes
+  std::map<Index, Index> local_nodes;  ///< of nodes that load cases move along axes of *TRANSFORM, see add_local_node()
 
   [[nodiscard]] const Place& place(int index) const { return places_[static_cast<std::size_t>(index)]; }
   [[nodiscard]] int place_count() const { return static_cast<int>(places_.size()); }

@@ -4,6 +4,7 @@
 
 #include "kalfem/formats/abaqus/orientations.hpp"
 #include "kalfem/formats/abaqus/raw_deck.hpp"
+#include "kalfem/model/placement.hpp"
 
 namespace kalfem::abaqus {
 
@@ -53,6 +54,27 @@ std::optional<Directions> read_directions(PlacedDeck& deck, const DataLine& line
   return directions;
 }
 
+/// All that holds a node in axes of its own.
+struct TurnedSupport {
+  std::string name;
+  Directions held{};
+  Directions moved{};  ///< those of them that load cases move
+};
+
+/// A load case moves single directions: they become degrees of freedom of a local node.
+void hold_local_node(PlacedDeck& deck, Index node, const Eigen::Matrix3d& axes, const TurnedSupport& support,
+                     Kinematics& motions) {
+  const Index local = add_local_node(deck.mesh, node, axes);
+  deck.local_nodes[node] = local;
+  for (const auto& constraint : local_motions(deck.mesh, node, local))
+    motions.add_equation(constraint.name, constraint.terms, constraint.terms.front().first);
+  for (int d = 0; d < 6; ++d) {
+    if (!support.held[static_cast<std::size_t>(d)]) continue;
+    motions.hold(support.name, local, d);
+    if (support.moved[static_cast<std::size_t>(d)]) motions.move({local, d});
+  }
+}
+
 /// Terms of a direction of a node, in its own axes where it has some.
 void append_direction(const NodeAxes& axes, Index node, int direction, double factor, DofSum& terms) {
   const auto own = axes.find(node);
@@ -64,6 +86,16 @@ void append_direction(const NodeAxes& axes, Index node, int direction, double fa
   for (int a = 0; a < 3; ++a)
     if (const double share = own->second(a, direction - block); share != 0.0)
       terms.push_back({{node, block + a}, factor * share});
+}
+
+/// The degree of freedom that an equation is solved for: its first one, as in Abaqus; in axes of the node's own, the
+/// global one that is nearest to it.
+NodalDof dependent_dof(const NodeAxes& axes, const NodalDof& first) {
+  const auto own = axes.find(first.node);
+  if (own == axes.end()) return first;
+  Index nearest = 0;
+  own->second.col(first.direction % 3).cwiseAbs().maxCoeff(&nearest);
+  return {first.node, first.direction / 3 * 3 + static_cast<int>(nearest)};
 }
 
 }  // namespace
@@ -110,13 +142,13 @@ void read_boundaries(PlacedDeck& deck, const NodeAxes& axes, bool move, Kinemati
                           deck.node_list({line.field(0), line.where}, at.place), *directions, has_value && move});
     }
   }
-  std::unordered_map<Index, std::pair<std::string, Directions>> turned;  // held at once, in their own axes
+  std::unordered_map<Index, TurnedSupport> turned;  // held at once, in their own axes
   for (const auto& support : supports)
     for (const Index node : support.nodes) {
-      const auto own = axes.find(node);
-      if (own != axes.end()) {
-        auto& [name, held] = turned.try_emplace(node, support.name, Directions{}).first->second;
+      if (axes.contains(node)) {
+        auto& [name, held, moved] = turned.try_emplace(node, TurnedSupport{support.name}).first->second;
         for (std::size_t d = 0; d < 6; ++d) held[d] = held[d] || support.directions[d];
+        for (std::size_t d = 0; d < 6; ++d) moved[d] = moved[d] || (support.moves && support.directions[d]);
         continue;
       }
       for (int d = 0; d < 6; ++d)
@@ -125,11 +157,14 @@ void read_boundaries(PlacedDeck& deck, const NodeAxes& axes, bool move, Kinemati
           if (support.moves) motions.move({node, d});
         }
     }
-  for (const auto& [node, held] : turned) motions.hold(held.first, node, axes.at(node), held.second);
+  for (const auto& [node, support] : turned)
+    if (support.moved == Directions{})
+      motions.hold(support.name, node, axes.at(node), support.held);
+    else
+      hold_local_node(deck, node, axes.at(node), support, motions);
 }
 
-// A direction in local axes is a sum over global ones, so each term can add up to three. The first term is the
-// dependent one, as in Abaqus, unless its node has axes of its own; the elimination chooses then.
+// A direction in local axes is a sum over global ones, so each term can add up to three.
 /// The number of terms, then node or set, direction and coefficient of each; sets of the same size go side by side.
 void read_equations(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions) {
   struct Term {
@@ -186,10 +221,8 @@ void read_equations(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions)
         for (const auto& term : terms)
           append_direction(axes, term.nodes.size() == 1 ? term.nodes.front() : term.nodes[k], term.direction,
                            term.coefficient, equation);
-        const Index first = terms.front().nodes[k];
-        const auto dependent =
-            axes.contains(first) ? std::nullopt : std::optional(NodalDof{first, terms.front().direction});
-        motions.add_equation("equation." + std::to_string(start.where.line), std::move(equation), dependent);
+        motions.add_equation("equation." + std::to_string(start.where.line), std::move(equation),
+                             dependent_dof(axes, {terms.front().nodes[k], terms.front().direction}));
       }
     }
   }

@@ -15,6 +15,7 @@ struct Row {
   double temperature = 0.0;
 };
 
+/// None, and a problem, where a row has too few constants.
 std::vector<Row> read_rows(const Block& block, std::size_t least, std::size_t count, PlacedDeck& deck) {
   const std::size_t lines = count / 8 + 1;
   std::vector<Row> rows;
@@ -23,14 +24,24 @@ std::vector<Row> read_rows(const Block& block, std::size_t least, std::size_t co
     for (std::size_t i = first; i < std::min(first + lines, block.lines.size()); ++i)
       row.lines.push_back(block.lines[i]);
     auto values = all_numbers(row, 0, "a constant of the material", deck.problems);
-    if (values.size() < least)
+    if (values.size() < least) {
       deck.problems.add(row.lines.empty() ? block.keyword.where : row.lines.front().where,
                         block.keyword.title + " has " + std::to_string(values.size()) + " constants",
                         "its type has " + std::to_string(count), "correct the data");
+      return {};
+    }
     values.resize(std::max(values.size(), count + 1), 0.0);
     rows.push_back({{values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count)}, values[count]});
   }
   return rows;
+}
+
+void note_beyond(const Keyword& keyword, double temperature, const std::vector<Row>& rows, PlacedDeck& deck) {
+  const double first = rows.front().temperature, last = rows.back().temperature;
+  if (temperature >= first && temperature <= last) return;
+  deck.notes.add(deck.problems.location(keyword.where), keyword.title + " at the temperature " + shortest(temperature),
+                 "its values go from " + shortest(first) + " to " + shortest(last) + "; the nearest one is used",
+                 DeckNoteKind::doubtful);
 }
 
 }  // namespace
@@ -70,9 +81,11 @@ std::vector<double> constants_at(MaterialTemperature& temperature, const Block& 
                    "the dependence on field variables is ignored: of rows at one temperature the first is used",
                    DeckNoteKind::doubtful);
   auto rows = read_rows(block, least, count, deck);
+  if (rows.empty()) return {};
   if (rows.size() == 1) return rows.front().constants;
   std::ranges::stable_sort(rows, {}, &Row::temperature);
   const double at = temperature.value(block.keyword);
+  note_beyond(block.keyword, at, rows, deck);
   const auto above = std::ranges::lower_bound(rows, at, {}, &Row::temperature);
   if (above == rows.begin()) return rows.front().constants;
   if (above == rows.end())

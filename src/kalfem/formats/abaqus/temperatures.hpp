@@ -29,7 +29,8 @@ private:
 
 /// The constants of a keyword such as *ELASTIC at the temperature. A row has `count` constants and then its
 /// temperature, eight numbers to a line; fewer than `count` but at least `least` are a row too, with 0 for the others.
-/// Linear between the rows' temperatures, constant beyond the first and the last.
+/// Linear between the rows' temperatures, constant beyond the first and the last, with a note. Empty, and a problem,
+/// where a row is too short.
 std::vector<double> constants_at(MaterialTemperature& temperature, const Block& block, std::size_t least,
                                  std::size_t count, PlacedDeck& deck);
 

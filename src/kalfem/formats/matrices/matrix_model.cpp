@@ -5,6 +5,7 @@
 #include <map>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/units.hpp"
 #include "kalfem/formats/matrices/entries.hpp"
 #include "kalfem/model/finite_element_model.hpp"
 
@@ -119,7 +120,7 @@ private:
     const double difference = largest(full - transposed), scale = largest(full);
     if (difference == 0.0) return;
     full = SparseMatrix(0.5 * (full + transposed));
-    const std::string part = std::to_string(difference / scale) + " of its largest entry";
+    const std::string part = shortest(difference / scale) + " of its largest entry";
     if (difference <= options_.rounding * scale) return;
     if (options_.symmetrise)
       notes.push_back(quoted(role, matrix) + " was not symmetric: its asymmetry is " + part +
@@ -139,7 +140,7 @@ private:
       for (SparseMatrix::InnerIterator it(full, column); it; ++it)
         if (it.row() != column) beside = std::max(beside, std::abs(it.value()));
       if (diagonal > 0.0 || (diagonal == 0.0 && beside == 0.0)) continue;
-      issues_.add({}, quoted(role, matrix) + " has " + std::to_string(diagonal) + " on its diagonal at " + name(column),
+      issues_.add({}, quoted(role, matrix) + " has " + shortest(diagonal) + " on its diagonal at " + name(column),
                   diagonal < 0.0 ? "a mass or stiffness must not be negative"
                                  : "a row with other entries needs a positive diagonal",
                   "check the matrix and the sign convention of the other code");

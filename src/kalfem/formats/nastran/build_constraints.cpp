@@ -3,6 +3,7 @@
 
 #include "kalfem/formats/nastran/model_building.hpp"
 #include "kalfem/model/assembly/constraint_elimination.hpp"
+#include "kalfem/model/placement.hpp"
 
 namespace kalfem::nastran {
 namespace {
@@ -59,6 +60,7 @@ public:
 private:
   void hold(const std::string& name, Eigen::Index node, unsigned components, const Place& where);
   void hold_ranges(const SpcCard& card);
+  void add_local_nodes();
   void add_equation(const std::string& name, const DofSum& terms, Eigen::Index node, int component, const Place& where);
   unsigned without_shared(const RigidBodyCard& card, Eigen::Index master, Eigen::Index node, unsigned components);
   bool is_simple(Eigen::Index node, unsigned components) const;
@@ -100,12 +102,31 @@ void ConstraintBuilder::add_equation(const std::string& name, const DofSum& term
                  building_.files.location(where));
 }
 
+/// Nodes in turned axes that load cases move: their components become degrees of freedom of a local node.
+void ConstraintBuilder::add_local_nodes() {
+  const auto add = [&](Id id, const Place& where) {
+    const auto node = building_.node(id, "an enforced motion", where);
+    if (node < 0 || !building_.is_turned(node) || building_.local_nodes.contains(node)) return;
+    auto& mesh = building_.model.mesh;
+    const auto local = building_.local_nodes[node] = add_local_node(mesh, node, building_.motion_axes(node));
+    for (const auto& constraint : local_motions(mesh, node, local))
+      equations_.add(constraint.name, constraint.terms, constraint.terms.front().first,
+                     building_.files.location(where));
+  };
+  for (const auto& card : building_.bulk.spcs)
+    if (card.value != 0.0) add(card.nodes.front().first, card.where);
+  for (const auto& card : building_.bulk.imposed) add(card.node, card.where);
+}
+
 // Components in turned axes are held by equations, all others by supports, grouped by set and components.
 void ConstraintBuilder::hold(const std::string& name, Eigen::Index node, unsigned components, const Place& where) {
   if (building_.is_scalar(node)) components = components == 0 ? 1u : components & 1u;
   if (components == 0) return;
   building_.model.mesh.node_sets[name].push_back(node);
-  if (!is_simple(node, components)) {
+  const auto local = building_.local_nodes.find(node);
+  if (local != building_.local_nodes.end()) {
+    node = local->second;
+  } else if (!is_simple(node, components)) {
     const unsigned fresh = components & ~held_[node];
     held_[node] |= components;
     for (int i = 0; i < 6; ++i)
@@ -146,6 +167,7 @@ void ConstraintBuilder::hold_nodes() {
   for (std::size_t i = 0; i < building_.bulk.grids.size(); ++i)
     by_id_.emplace_back(building_.bulk.grids[i].id, static_cast<Eigen::Index>(i));
   std::ranges::sort(by_id_);
+  if (building_.bulk.with_loads) add_local_nodes();
   std::set<Id> present;
   for (const auto& card : building_.bulk.spcs) present.insert(card.set);
   building_.supports =

@@ -127,12 +127,10 @@ private:
   void impose(const EnforcedCard& card, double factor, LoadCase& result) {
     const auto node = building_.node(card.node, "an enforced motion", card.where);
     if (node < 0) return;
-    if (building_.is_turned(node))
-      return building_.note(card.where, "an enforced motion in a displacement system CD", "the node is fixed at zero",
-                            DeckNoteKind::doubtful);
+    const auto local = building_.local_nodes.find(node);
     for (int d = 0; d < 6; ++d) {
       if (((card.components >> d) & 1u) == 0) continue;
-      const NodalDof dof{node, d};
+      const NodalDof dof{local == building_.local_nodes.end() ? node : local->second, d};
       const auto same = std::ranges::find(result.imposed, dof, &ImposedMotion::dof);
       if (same == result.imposed.end())
         result.imposed.push_back({dof, factor * card.value, held_.contains(dof)});

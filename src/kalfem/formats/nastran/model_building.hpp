@@ -74,7 +74,8 @@ struct Building {
   DeckFiles& files;
   DeckNotes& notes;
   FiniteElementModel& model;
-  std::set<Id> supports = {};  ///< sets of SPC that hold, see build_constraints()
+  std::set<Id> supports = {};                             ///< sets of SPC that hold, see build_constraints()
+  std::map<Eigen::Index, Eigen::Index> local_nodes = {};  ///< of nodes with a CD system that load cases move along it
   MatrixGather matrices = {};  ///< of scalar masses, mass matrices and springs without a name of their own
 
   void note(const Place& place, const std::string& what, const std::string& consequence,

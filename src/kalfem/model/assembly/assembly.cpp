@@ -72,6 +72,12 @@ void add_to(Terms& terms, const Powers& powers, SparseMatrix matrix) {
   if (!is_new) place->second = SparseMatrix(place->second + matrix);
 }
 
+/// sum += factor values; an empty sum stands for zero.
+void add_scaled(const std::vector<double>& values, double factor, std::vector<double>& sum) {
+  sum.resize(values.size(), 0.0);
+  for (std::size_t i = 0; i < values.size(); ++i) sum[i] += factor * values[i];
+}
+
 /// At least one term, so that the sum has its size.
 std::vector<AffineTerm> to_list(Terms terms, Eigen::Index size) {
   std::vector<AffineTerm> list;
@@ -119,9 +125,15 @@ std::vector<bool> touched_dofs(const FiniteElementModel& model) {
 /// Sums up the parts of a model over the free degrees of freedom that the elimination leaves.
 class Assembler {
 public:
-  /// `factors`: those by which the stiffness of beam regions is divided.
-  Assembler(const FiniteElementModel& model, const Elimination& elimination, const Values& factors)
-      : rigid_mass(model.mesh), model_(model), transform_(elimination.transform), factors_(factors) {}
+  /// `factors`: those by which the stiffness of beam regions is divided. `present`: values of all parameters, where
+  /// the terms shall be summed at them.
+  Assembler(const FiniteElementModel& model, const Elimination& elimination, const Values& factors,
+            const Values* present)
+      : rigid_mass(model.mesh),
+        model_(model),
+        transform_(elimination.transform),
+        factors_(factors),
+        present_(present) {}
 
   void add_region(const std::string& region, const RegionProperty& property, IssueList& issues);
   void add_masses();
@@ -144,6 +156,12 @@ private:
     if (!beam) return {BeamPart::none};
     auto parts = parts_of(*beam);
     return factors_.contains(factor_name(region, parts.front())) ? parts : std::vector{BeamPart::none};
+  }
+
+  /// The term to which a matrix with these powers is added, and the factor with which it is.
+  [[nodiscard]] std::pair<Powers, double> term_of(Powers powers) const {
+    if (!present_) return {std::move(powers), 1.0};
+    return {{}, affine_factor(powers, *present_)};
   }
 
   [[nodiscard]] const Cell& cell(Eigen::Index index) const {
@@ -201,6 +219,7 @@ private:
   const FiniteElementModel& model_;
   const Eigen::SparseMatrix<double, Eigen::RowMajor>& transform_;
   const Values& factors_;
+  const Values* present_;
 };
 
 SparseSumPattern Assembler::pattern_of(const std::vector<Eigen::Index>& cells, int motions) const {
@@ -236,9 +255,15 @@ void Assembler::add_region(const std::string& region, const RegionProperty& prop
     }
   report(bad, region, issues);
   const auto move_sums = [&](Sums& sums, Terms& terms) {
+    std::map<Powers, std::vector<double>> by_term;
     for (auto& [powers, sum] : sums) {
       const auto values = std::move(sum);  // as large as the matrix: not kept beside it for longer
-      add_to(terms, named_powers(powers, region, material_of(property)), pattern.matrix(values));
+      const auto [term, factor] = term_of(named_powers(powers, region, material_of(property)));
+      add_scaled(values, factor, by_term[term]);
+    }
+    for (auto& [powers, sum] : by_term) {
+      const auto values = std::move(sum);
+      add_to(terms, powers, pattern.matrix(values));
     }
   };
   for (const auto& [powers, sum] : rigid_sums) rigid_mass.add(named_powers(powers, region, material_of(property)), sum);
@@ -284,7 +309,8 @@ void Assembler::add_masses() {
     inertia.mass = 0.0;
     const auto add = [&](const PointMass& part, const Powers& powers) {
       const Eigen::MatrixXd matrix = point_mass(part);
-      append(scatter, matrix, triplets[powers]);
+      const auto [term, factor] = term_of(powers);
+      append(scatter, factor * matrix, triplets[term]);
       rigid_mass.add(powers, rigid_mass.of(std::array{item.node}, 6, matrix));
     };
     add(unit, {{item.name + ".mass", 1}});
@@ -305,7 +331,8 @@ void Assembler::add_springs() {
     else
       add_ground_force(spring, scatter);
     const Eigen::MatrixXd unit = Eigen::Matrix2d{{1.0, -1.0}, {-1.0, 1.0}};
-    append(scatter, unit, triplets[{{spring.name + ".stiffness", 1}}]);
+    const auto [term, factor] = term_of({{spring.name + ".stiffness", 1}});
+    append(scatter, factor * unit, triplets[term]);
     if (spring.damping != 0.0) append(scatter, spring.damping * unit, dashpots);
   }
   for (const auto& joint : model_.joints) {
@@ -317,7 +344,8 @@ void Assembler::add_springs() {
       coefficients[row] = coefficient;
     }
     const Eigen::MatrixXd unit = coefficients * coefficients.transpose();
-    append(scatter, unit, triplets[{{joint.name + ".stiffness", 1}}]);
+    const auto [term, factor] = term_of({{joint.name + ".stiffness", 1}});
+    append(scatter, factor * unit, triplets[term]);
     if (joint.damping != 0.0) append(scatter, joint.damping * unit, dashpots);
   }
   for (const auto& [powers, entries] : triplets) add_to(stiffness, powers, from_triplets(entries));
@@ -403,7 +431,7 @@ AssembledModel assemble(const FiniteElementModel& model, const AssemblyOptions& 
   const auto factors = asked_factors(model, options);
   require_own_names(factors, values, model.mesh.source);
   values.insert(factors.begin(), factors.end());
-  Assembler assembler(model, elimination, factors);
+  Assembler assembler(model, elimination, factors, options.at_present_values ? &values : nullptr);
   IssueList issues;
   for (const auto& [region, property] : model.properties) assembler.add_region(region, property, issues);
   issues.raise();

@@ -19,6 +19,8 @@ struct AssemblyOptions {
   std::vector<std::string> parameters = {};
   /// Degrees of freedom that shall be free although links or constraints let them follow others, see eliminate().
   std::vector<NodalDof> independent = {};
+  /// One term each for K and M, at the present values of the parameters, where none of them will change.
+  bool at_present_values = false;
 };
 
 /// Factors that the stiffness of the model's beam regions can be divided by, all 1: "<region>.axial", ".bending_y",

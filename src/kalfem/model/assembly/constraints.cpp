@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <unordered_map>
 
@@ -73,13 +74,27 @@ std::vector<bool> fixed_dofs(const FiniteElementModel& model) {
   return fixed;
 }
 
-/// Collects the equations of links and constraints; a doubled dependent is reported once a node and pair of owners.
+/// Degrees of freedom that have the same conflict.
+struct Conflict {
+  const SourceLocation* where;
+  Eigen::Index first;
+  std::size_t count = 0;
+
+  /// "n3.x follows", or "n3.x and 17 others follow".
+  [[nodiscard]] std::string subject(const FiniteElementModel& model, const char* one, const char* many) const {
+    if (count == 1) return name_of(model, first) + " " + one;
+    return name_of(model, first) + " and " + std::to_string(count - 1) + (count == 2 ? " other " : " others ") + many;
+  }
+};
+
+/// Collects the equations of links and constraints; doubled dependents are reported once for a pair of owners.
 class EquationCollector {
 public:
   EquationCollector(const FiniteElementModel& model, IssueList& issues) : model_(model), issues_(issues) {
     for (const auto& link : model.links) add_link(link);
     for (const auto& link : model.weighted_links) add_weighted_link(link);
     for (const auto& constraint : model.constraints) add_constraint(constraint);
+    report_doubled();
   }
 
   Equations take() { return std::move(equations_); }
@@ -150,12 +165,17 @@ private:
       return;
     }
     const Owner& first = equations_.list[place->second].owner;
-    if (doubled_.insert({equation.dof / 6, *first.name, *equation.owner.name}).second)
-      issues_.add(*equation.owner.where,
-                  name_of(model_, equation.dof) + " follows from " + to_string(first) + " and from " +
-                      to_string(equation.owner),
-                  "a degree of freedom can depend on one link or constraint only",
-                  "remove it from one of them, or let one depend on the other");
+    const Conflict conflict{equation.owner.where, equation.dof};
+    ++doubled_.try_emplace({to_string(first), to_string(equation.owner)}, conflict).first->second.count;
+  }
+
+  void report_doubled() {
+    for (const auto& [owners, conflict] : doubled_)
+      issues_.add(
+          *conflict.where,
+          conflict.subject(model_, "follows", "follow") + " from " + owners.first + " and from " + owners.second,
+          "a degree of freedom can depend on one link or constraint only",
+          "remove it from one of them, or let one depend on the other");
   }
 
   std::string id(Eigen::Index node) const {
@@ -165,18 +185,20 @@ private:
   const FiniteElementModel& model_;
   IssueList& issues_;
   Equations equations_;
-  std::set<std::tuple<Eigen::Index, std::string, std::string>> doubled_;
+  std::map<std::pair<std::string, std::string>, Conflict> doubled_;  ///< by both owners
 };
 
 void check_fixed(const FiniteElementModel& model, const Equations& equations, const std::vector<bool>& fixed,
                  IssueList& issues) {
-  std::set<std::pair<Eigen::Index, std::string>> seen;
+  std::map<std::string, Conflict> held;  // by owner
   for (const auto& equation : equations.list)
-    if (fixed[static_cast<std::size_t>(equation.dof)] && seen.insert({equation.dof / 6, *equation.owner.name}).second)
-      issues.add(*equation.owner.where,
-                 name_of(model, equation.dof) + " is fixed and follows from " + to_string(equation.owner),
-                 "a fixed degree of freedom cannot depend on another",
-                 "fix the independent node, or put another term of the constraint first");
+    if (fixed[static_cast<std::size_t>(equation.dof)])
+      ++held.try_emplace(to_string(equation.owner), Conflict{equation.owner.where, equation.dof}).first->second.count;
+  for (const auto& [owner, conflict] : held)
+    issues.add(*conflict.where,
+               conflict.subject(model, "is fixed and follows", "are fixed and follow") + " from " + owner,
+               "a fixed degree of freedom cannot depend on another",
+               "fix the independent node, or put another term of the constraint first");
 }
 
 /// Kahn's order: an equation is taken once all dependent degrees of freedom on its right side have been. What is left

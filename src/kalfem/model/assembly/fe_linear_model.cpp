@@ -80,12 +80,18 @@ void add_rayleigh(LinearModel& model, const FeDamping& factors) {
 
 LinearModel linear_model(const FiniteElementModel& model, const AssembledModel& assembled,
                          const std::vector<NamedNode>& points, const FeDamping& damping) {
+  return linear_model(model, assembled, evaluate(assembled.stiffness, assembled.parameters),
+                      evaluate(assembled.mass, assembled.parameters), points, damping);
+}
+
+LinearModel linear_model(const FiniteElementModel& model, const AssembledModel& assembled, SparseMatrix stiffness,
+                         SparseMatrix mass, const std::vector<NamedNode>& points, const FeDamping& damping) {
   check(model, points, damping);
   LinearModel linear;
   linear.dofs.reserve(assembled.dofs.size());
   for (const auto& dof : assembled.dofs) linear.dofs.push_back(dof_name(model.mesh, dof));
-  linear.mass = evaluate(assembled.mass, assembled.parameters);
-  linear.stiffness = evaluate(assembled.stiffness, assembled.parameters);
+  linear.mass = std::move(mass);
+  linear.stiffness = std::move(stiffness);
   linear.damping = assembled.damping;
   linear.grounds = assembled.grounds;
   linear.points = named_points(points, assembled.expansion, linear.dofs);
@@ -205,8 +211,10 @@ ModelAtParameters ParameterisedFiniteElements::at(const Eigen::VectorXd& paramet
   const FiniteElementDamping damping = damping_at(parameters);
   LinearModel model;
   model.dofs = full_->dofs;
-  model.mass = evaluate(assembled_->mass, values);
-  model.stiffness = evaluate(assembled_->stiffness, values);
+  const bool constant =
+      std::ranges::none_of(bindings_, [](const auto& each) { return each.target.kind == FeKind::matrix; });
+  model.mass = constant ? full_->mass : evaluate(assembled_->mass, values);
+  model.stiffness = constant ? full_->stiffness : evaluate(assembled_->stiffness, values);
   model.damping = assembled_->damping;
   const auto& [alpha, beta] = damping.rayleigh;
   if (alpha != 0.0 || beta != 0.0) model.damping += SparseMatrix(alpha * model.mass + beta * model.stiffness);

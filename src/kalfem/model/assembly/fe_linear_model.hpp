@@ -30,6 +30,9 @@ struct FeDamping {
 /// by another node.
 LinearModel linear_model(const FiniteElementModel& model, const AssembledModel& assembled,
                          const std::vector<NamedNode>& points, const FeDamping& damping);
+/// The same with K and M, the sums of the assembled terms, at hand.
+LinearModel linear_model(const FiniteElementModel& model, const AssembledModel& assembled, SparseMatrix stiffness,
+                         SparseMatrix mass, const std::vector<NamedNode>& points, const FeDamping& damping);
 
 /// One number of a finite-element model that may be a parameter: one that its matrices are affine in, or of its
 /// damping.
@@ -57,7 +60,8 @@ double value_of(const AssembledModel& assembled, const FiniteElementDamping& dam
 /// products of powers of the parameters. Grounds stay as they are at the first values.
 class ParameterisedFiniteElements final : public ParameterisedModel {
 public:
-  /// `full`: the model at the first values, with its names and points; `count`: length of theta.
+  /// `full`: the model at the first values, with its names and points; `count`: length of theta. The assembled terms
+  /// are needed only where a matrix or a Rayleigh factor follows theta.
   ParameterisedFiniteElements(std::shared_ptr<const AssembledModel> assembled, std::shared_ptr<const LinearModel> full,
                               FiniteElementDamping damping,
                               std::vector<ParameterBinding<FiniteElementParameter>> bindings, Eigen::Index count);

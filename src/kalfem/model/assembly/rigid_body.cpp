@@ -18,20 +18,22 @@ std::vector<Eigen::Index> nodes_of_set(const Mesh& mesh, const std::string& name
 
 }  // namespace
 
-Eigen::MatrixXd rigid_body_modes(const FiniteElementModel& model, const AssembledModel& assembled) {
+Eigen::MatrixXd rigid_body_modes(const FiniteElementModel& model, const AssembledModel& assembled,
+                                 const Eigen::Vector3d& centre) {
   Eigen::MatrixXd modes(assembled.size(), 6);
   for (Eigen::Index i = 0; i < assembled.size(); ++i) {
     const auto& [node, direction] = assembled.dofs[static_cast<std::size_t>(i)];
-    modes.row(i) = rigid_row(direction, model.mesh.nodes.col(node));
+    modes.row(i) = rigid_row(direction, model.mesh.nodes.col(node) - centre, model.mesh.axes_of(node));
   }
   for (const auto node : nodes_of_set(model.mesh, scalar_points))
     if (const auto place = assembled.find({node, 0}); place >= 0) modes.row(place).setZero();
   return modes;
 }
 
-Eigen::Vector3d moving_mass(const FiniteElementModel& model, const AssembledModel& assembled) {
+Eigen::Vector3d moving_mass(const FiniteElementModel& model, const AssembledModel& assembled,
+                            const SparseMatrix& mass) {
   const Eigen::MatrixXd translations = rigid_body_modes(model, assembled).leftCols<3>();
-  return (translations.transpose() * (evaluate(assembled.mass, assembled.parameters) * translations)).diagonal();
+  return (translations.transpose() * (mass * translations)).diagonal();
 }
 
 MassProperties mass_properties(const AssembledModel& assembled) {
@@ -72,9 +74,9 @@ Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& columns) {
          Eigen::MatrixXd::Identity(columns.rows(), columns.cols());
 }
 
-/// Combinations of orthonormal columns with a Rayleigh quotient below `strainless`.
-Eigen::MatrixXd without_strain(const SparseMatrix& matrix, const Eigen::MatrixXd& basis) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz(Eigen::MatrixXd(basis.transpose() * (matrix * basis)));
+/// Combinations of orthonormal columns with a Rayleigh quotient below `strainless`; `forces` are the matrix times them.
+Eigen::MatrixXd without_strain(const Eigen::MatrixXd& basis, const Eigen::MatrixXd& forces) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz(Eigen::MatrixXd(basis.transpose() * forces));
   const auto count = (ritz.eigenvalues().array() < strainless).count();
   return basis * ritz.eigenvectors().leftCols(count);
 }
@@ -91,18 +93,17 @@ Eigen::MatrixXd null_space(const SparseMatrix& matrix) {
   for (Eigen::Index block = std::min(first_block, n);; block = std::min({2 * block, largest_block, n})) {
     Eigen::MatrixXd basis = orthonormal(Eigen::MatrixXd::NullaryExpr(n, block, [&] { return random.normal(); }));
     for (int i = 0; i < iterations; ++i) basis = orthonormal(factor.solve(basis));
-    Eigen::MatrixXd found = without_strain(matrix, basis);
+    Eigen::MatrixXd found = without_strain(basis, matrix * basis);
     if (found.cols() < block || block == std::min(largest_block, n)) return found;
   }
 }
 
-/// Orthonormal basis of the rigid-body motions of the free degrees of freedom that strain nothing.
-Eigen::MatrixXd free_rigid_motions(const SparseMatrix& matrix, const Eigen::MatrixXd& scaled_modes) {
+/// Orthonormal basis of the rigid-body motions, n x 6.
+Eigen::MatrixXd independent(const Eigen::MatrixXd& motions) {
   // Points on one line do not move when they turn about it: such a column has no length of its own.
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(unit_columns(scaled_modes));
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(unit_columns(motions));
   qr.setThreshold(1e-9);
-  const Eigen::MatrixXd basis = qr.householderQ() * Eigen::MatrixXd::Identity(scaled_modes.rows(), qr.rank());
-  return without_strain(matrix, basis);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(motions.rows(), qr.rank());
 }
 
 /// Orthonormal basis of what the null space holds beside the rigid-body motions.
@@ -120,40 +121,37 @@ std::vector<Eigen::Index> leading_rows(const Eigen::MatrixXd& columns) {
   return {order.data(), order.data() + columns.cols()};
 }
 
-/// K with a unit diagonal, and the rigid-body motions in its coordinates. Degrees of freedom without stiffness stay
-/// apart, with a one on the diagonal.
-struct ScaledStiffness {
-  Eigen::VectorXd root;               ///< square roots of the diagonal of K, 1 where that is 0
-  SparseMatrix matrix;                ///< D^-1/2 K D^-1/2
-  Eigen::MatrixXd rigid;              ///< D^1/2 R, n x 6
+/// Coordinates in which K has a unit diagonal. Degrees of freedom without stiffness stay apart.
+struct UnitDiagonal {
+  explicit UnitDiagonal(const SparseMatrix& stiffness) : diagonal(stiffness.diagonal()) {
+    root = (diagonal.array() > 0.0).select(diagonal.cwiseSqrt(), 1.0);
+    for (Eigen::Index i = 0; i < diagonal.size(); ++i)
+      if (!(diagonal[i] > 0.0)) without.push_back(i);
+  }
+
+  /// Orthonormal basis of the rigid-body motions in these coordinates, D^1/2 R.
+  [[nodiscard]] Eigen::MatrixXd rigid(const FiniteElementModel& model, const AssembledModel& assembled) const {
+    Eigen::MatrixXd motions = root.asDiagonal() * rigid_body_modes(model, assembled);
+    for (const auto i : without) motions.row(i).setZero();
+    return independent(motions);
+  }
+
+  Eigen::VectorXd diagonal;
+  Eigen::VectorXd root;               ///< square roots of it, 1 where it is 0
   std::vector<Eigen::Index> without;  ///< degrees of freedom without stiffness
 };
 
-ScaledStiffness scaled_stiffness(const SparseMatrix& stiffness, const FiniteElementModel& model,
-                                 const AssembledModel& assembled) {
-  const Eigen::VectorXd diagonal = stiffness.diagonal();
-  ScaledStiffness scaled;
-  scaled.root = (diagonal.array() > 0.0).select(diagonal.cwiseSqrt(), 1.0);
-  scaled.matrix = with_unit_diagonal(stiffness, scaled.root.cwiseInverse(), diagonal);
-  scaled.rigid = scaled.root.asDiagonal() * rigid_body_modes(model, assembled);
-  for (Eigen::Index i = 0; i < diagonal.size(); ++i)
-    if (!(diagonal[i] > 0.0)) {
-      scaled.without.push_back(i);
-      scaled.rigid.row(i).setZero();
-    }
-  return scaled;
-}
-
 }  // namespace
 
-std::vector<std::string> find_mechanisms(const FiniteElementModel& model, const AssembledModel& assembled) {
+std::vector<std::string> find_mechanisms(const FiniteElementModel& model, const AssembledModel& assembled,
+                                         const SparseMatrix& stiffness) {
   if (assembled.size() == 0) return {};
-  const ScaledStiffness scaled =
-      scaled_stiffness(evaluate(assembled.stiffness, assembled.parameters), model, assembled);
-  std::vector<Eigen::Index> rows = scaled.without;
+  const UnitDiagonal scale(stiffness);
+  std::vector<Eigen::Index> rows = scale.without;
   try {
-    const auto space = null_space(scaled.matrix);
-    for (const auto row : leading_rows(beside(space, free_rigid_motions(scaled.matrix, scaled.rigid))))
+    const SparseMatrix scaled = with_unit_diagonal(stiffness, scale.root.cwiseInverse(), scale.diagonal);
+    const Eigen::MatrixXd rigid = scale.rigid(model, assembled);
+    for (const auto row : leading_rows(beside(null_space(scaled), without_strain(rigid, scaled * rigid))))
       rows.push_back(row);
   } catch (const NotPositiveDefinite& error) {
     throw InvalidInput("the stiffness matrix is indefinite or almost singular at or before " +
@@ -166,15 +164,18 @@ std::vector<std::string> find_mechanisms(const FiniteElementModel& model, const 
   return names;
 }
 
-std::optional<StiffnessFactor> factor_held(const FiniteElementModel& model, const AssembledModel& assembled) {
-  const SparseMatrix stiffness = evaluate(assembled.stiffness, assembled.parameters);
-  Eigen::MatrixXd motions;
-  {
-    const ScaledStiffness scaled = scaled_stiffness(stiffness, model, assembled);
-    if (!scaled.without.empty()) return {};
-    motions = scaled.root.cwiseInverse().asDiagonal() * free_rigid_motions(scaled.matrix, scaled.rigid);
-  }
-  return factor_held(stiffness, evaluate(assembled.mass, assembled.parameters), motions);
+std::vector<std::string> find_mechanisms(const FiniteElementModel& model, const AssembledModel& assembled) {
+  return find_mechanisms(model, assembled, evaluate(assembled.stiffness, assembled.parameters));
+}
+
+std::optional<StiffnessFactor> factor_held(const FiniteElementModel& model, const AssembledModel& assembled,
+                                           const SparseMatrix& stiffness, const SparseMatrix& mass) {
+  const UnitDiagonal scale(stiffness);
+  if (!scale.without.empty()) return {};
+  const auto unscaled = scale.root.cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd rigid = scale.rigid(model, assembled);
+  const Eigen::MatrixXd forces = unscaled * (stiffness * (unscaled * rigid).eval());
+  return factor_held(stiffness, mass, unscaled * without_strain(rigid, forces));
 }
 
 }  // namespace kalfem

@@ -20,11 +20,12 @@ MassProperties mass_properties(const AssembledModel& assembled);
 
 /// Mass that the free degrees of freedom move along x, y and z [kg]: less than the whole where mass is lumped at or
 /// carried by held degrees of freedom.
-Eigen::Vector3d moving_mass(const FiniteElementModel& model, const AssembledModel& assembled);
+Eigen::Vector3d moving_mass(const FiniteElementModel& model, const AssembledModel& assembled, const SparseMatrix& mass);
 
-/// Rigid-body motion of the free degrees of freedom about the origin: translations along x, y, z [m/m], rotations about
-/// x, y, z [m/rad, rad/rad]; n x 6.
-Eigen::MatrixXd rigid_body_modes(const FiniteElementModel& model, const AssembledModel& assembled);
+/// Rigid-body motion of the free degrees of freedom: translations along x, y, z [m/m], rotations about x, y, z through
+/// `centre` [m/rad, rad/rad]; n x 6.
+Eigen::MatrixXd rigid_body_modes(const FiniteElementModel& model, const AssembledModel& assembled,
+                                 const Eigen::Vector3d& centre = Eigen::Vector3d::Zero());
 
 /// Motions without strain other than the rigid-body motions of the whole: hinges, rotations that nothing holds, parts
 /// that hang on nothing. One degree of freedom for each, named "n17.rx": holding all of them leaves no mechanism.
@@ -35,10 +36,13 @@ Eigen::MatrixXd rigid_body_modes(const FiniteElementModel& model, const Assemble
 /// elements lies at 0.5 / N^4. The rigid-body motions that strain nothing are taken out of it; columns of
 /// what is left are chosen by a pivoted QR factorisation. Degrees of freedom without any stiffness are named at once.
 /// At most about 250 are found beside those. Throws InvalidInput where the stiffness is indefinite.
+std::vector<std::string> find_mechanisms(const FiniteElementModel& model, const AssembledModel& assembled,
+                                         const SparseMatrix& stiffness);
 std::vector<std::string> find_mechanisms(const FiniteElementModel& model, const AssembledModel& assembled);
 
 /// The factor of K, held against the rigid-body motions of the whole that strain nothing. Where there is one, the model
 /// is no mechanism; where there is none, find_mechanisms() tells.
-std::optional<StiffnessFactor> factor_held(const FiniteElementModel& model, const AssembledModel& assembled);
+std::optional<StiffnessFactor> factor_held(const FiniteElementModel& model, const AssembledModel& assembled,
+                                           const SparseMatrix& stiffness, const SparseMatrix& mass);
 
 }  // namespace kalfem

@@ -37,7 +37,7 @@ DofSum slave_motion(Eigen::Index master, int direction, const Eigen::Vector3d& a
 
 RigidRow rigid_motion(const PlacedDof& dof, const RigidFrame& frame) {
   if (dof.direction < 0) return RigidRow::Zero();
-  RigidRow row = rigid_row(dof.direction, dof.place - frame.centre);
+  RigidRow row = rigid_row(dof.direction, dof.place - frame.centre, dof.axes);
   row.tail<3>() /= frame.radius;
   return row;
 }
@@ -72,7 +72,8 @@ Matrix6 RigidMassSum::of(const std::vector<NodalDof>& dofs, const Eigen::SparseM
   RigidRows rows = RigidRows::Zero(mass.rows(), 6);
   for (std::size_t i = 0; i < dofs.size(); ++i)
     if (!is_scalar_[static_cast<std::size_t>(dofs[i].node)])
-      rows.row(static_cast<Index>(i)) = rigid_row(dofs[i].direction, mesh_.nodes.col(dofs[i].node));
+      rows.row(static_cast<Index>(i)) =
+          rigid_row(dofs[i].direction, mesh_.nodes.col(dofs[i].node), mesh_.axes_of(dofs[i].node));
   return rows.transpose() * (mass * rows);
 }
 

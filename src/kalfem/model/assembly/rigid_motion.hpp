@@ -29,8 +29,9 @@ DofSum slave_motion(Eigen::Index master, int direction, const Eigen::Vector3d& a
 
 /// Where a degree of freedom stands.
 struct PlacedDof {
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< [m]
-  int direction = -1;                               ///< 0 .. 5; -1: a generalised coordinate, which has no place
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();     ///< [m]
+  int direction = -1;                                  ///< 0 .. 5; -1: a generalised coordinate, which has no place
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< whose columns it is along
 };
 
 /// Axes of rigid-body motions: translations by 1 along x, y, z, and rotations about axes through `centre` by the angle

@@ -164,7 +164,8 @@ constexpr double follows_rigidly = 1e-6;  ///< of the size of the motion
 std::vector<PlacedDof> placed(const FiniteElementModel& model, const std::vector<NodalDof>& dofs) {
   std::vector<PlacedDof> list;
   list.reserve(dofs.size());
-  for (const auto& dof : dofs) list.push_back({model.mesh.nodes.col(dof.node), dof.direction});
+  for (const auto& dof : dofs)
+    list.push_back({model.mesh.nodes.col(dof.node), dof.direction, model.mesh.axes_of(dof.node)});
   return list;
 }
 
@@ -194,7 +195,8 @@ std::vector<bool> nodes_that_stay(const FiniteElementModel& model, const Assembl
   for (std::size_t i = 0; i < named.size(); ++i) {
     const auto row = static_cast<Index>(i);
     if (!named[i]) continue;
-    const auto rigid = rigid_motion({model.mesh.nodes.col(row / 6), static_cast<int>(row % 6)}, frame);
+    const auto rigid =
+        rigid_motion({model.mesh.nodes.col(row / 6), static_cast<int>(row % 6), model.mesh.axes_of(row / 6)}, frame);
     if ((moved.row(row) - rigid).cwiseAbs().maxCoeff() > follows_rigidly) stays[i / 6] = true;
   }
   for (const auto& link : model.links)
@@ -234,7 +236,7 @@ Index count_fixed(const FiniteElementModel& model) {
 void find_the_mechanisms(const FiniteElementModel& model, const AssembledModel& assembled,
                          const SparseMatrix& stiffness, ModelCheckReport& report) {
   try {
-    report.mechanisms = find_mechanisms(model, assembled);
+    report.mechanisms = find_mechanisms(model, assembled, stiffness);
     report.stiffness_matrix.semi_definite = true;
   } catch (const InvalidInput&) {  // indefinite, or singular with large rounding
     const Index failing = report::indefinite_dof(stiffness);
@@ -261,9 +263,10 @@ void find_the_mechanisms(const FiniteElementModel& model, const AssembledModel& 
 
 /// What the assembled matrices say about mass, supports and mechanisms.
 void check_motion(const FiniteElementModel& model, const AssembledModel& assembled, const SparseMatrix& stiffness,
-                  const std::vector<std::string>& names, const ModelCheckOptions& options, ModelCheckReport& report) {
+                  const SparseMatrix& mass, const std::vector<std::string>& names, const ModelCheckOptions& options,
+                  ModelCheckReport& report) {
   report.mass = mass_properties(assembled);
-  report.moving_mass = moving_mass(model, assembled);
+  report.moving_mass = moving_mass(model, assembled, mass);
   report::tell_mass(*report.mass, *report.moving_mass, report.lowest, report.highest, report.findings);
   const RigidFrame frame = report::frame_of(report);
   const MatrixXd motions = rigid_motions(placed(model, assembled.dofs), frame);
@@ -316,7 +319,7 @@ ModelCheckReport check_model(const FiniteElementModel& model, const AssembledMod
   report::check_massless(names, mass, stiffness, report.findings);
   report::check_springs(model, assembled, stiffness, report);
   if (report.stiffness_matrix.finite && report.mass_matrix.finite)
-    check_motion(model, assembled, stiffness, names, options, report);
+    check_motion(model, assembled, stiffness, mass, names, options, report);
   report::sort(report.findings);
   return report;
 }

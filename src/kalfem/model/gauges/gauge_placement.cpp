@@ -85,8 +85,8 @@ private:
     for (const Index index : elements())
       if (cell_at(index).id == number) return {index, natural_centre(cell_at(index).shape), 0.0};
     const std::string where = given_.region.empty() ? model_.mesh.source : "the region '" + given_.region + "'";
-    refuse("stands on element " + std::to_string(number) + ", which is not in " + where,
-           "a gauge measures the strain of a beam, shell or solid element",
+    refuse("stands on element " + std::to_string(number) + ", which is no beam, shell or solid of " + where,
+           "a gauge measures the strain of one of these",
            "name one of its elements, or give the place as at: [x, y, z]");
   }
 

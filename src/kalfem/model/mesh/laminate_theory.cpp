@@ -5,6 +5,7 @@
 #include <string>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/units.hpp"
 
 namespace kalfem {
 namespace {
@@ -16,21 +17,18 @@ void check(const OrthotropicSheet& sheet, const std::string& title, IssueList& i
     if (!holds) issues.add({}, title + " has " + what, why, "correct its material");
   };
   const bool moduli = is_positive(sheet.youngs_modulus_1) && is_positive(sheet.youngs_modulus_2);
-  require(
-      moduli,
-      "the Young's moduli " + std::to_string(sheet.youngs_modulus_1) + " and " + std::to_string(sheet.youngs_modulus_2),
-      "both must be positive and finite");
-  require(is_positive(sheet.shear_modulus_12), "the shear modulus " + std::to_string(sheet.shear_modulus_12),
+  require(moduli, "the Young's moduli " + shortest(sheet.youngs_modulus_1) + " and " + shortest(sheet.youngs_modulus_2),
+          "both must be positive and finite");
+  require(is_positive(sheet.shear_modulus_12), "the shear modulus " + shortest(sheet.shear_modulus_12),
           "it must be positive and finite");
-  require(is_modulus_or_default(sheet.shear_modulus_13) && is_modulus_or_default(sheet.shear_modulus_23),
-          "the transverse shear moduli " + std::to_string(sheet.shear_modulus_13) + " and " +
-              std::to_string(sheet.shear_modulus_23),
-          "both must be positive, or 0 to use the in-plane modulus");
-  require(is_modulus_or_default(sheet.density), "the density " + std::to_string(sheet.density),
-          "it must not be negative");
+  require(
+      is_modulus_or_default(sheet.shear_modulus_13) && is_modulus_or_default(sheet.shear_modulus_23),
+      "the transverse shear moduli " + shortest(sheet.shear_modulus_13) + " and " + shortest(sheet.shear_modulus_23),
+      "both must be positive, or 0 to use the in-plane modulus");
+  require(is_modulus_or_default(sheet.density), "the density " + shortest(sheet.density), "it must not be negative");
   const double squared = sheet.poissons_ratio_12 * sheet.poissons_ratio_12;
   require(!moduli || squared < sheet.youngs_modulus_1 / sheet.youngs_modulus_2,
-          "Poisson's ratio " + std::to_string(sheet.poissons_ratio_12),
+          "Poisson's ratio " + shortest(sheet.poissons_ratio_12),
           "its square must be less than E1 / E2 for strain energy to be positive");
 }
 
@@ -154,8 +152,8 @@ LaminateProperty laminated(const std::vector<Ply>& plies, double bottom, Transve
     const std::string title = "ply " + std::to_string(i + 1) + " of a laminate";
     check(plies[i].material, title, issues);
     if (!is_positive(plies[i].thickness))
-      issues.add({}, title + " has the thickness " + std::to_string(plies[i].thickness),
-                 "it must be positive and finite", "remove or correct the ply");
+      issues.add({}, title + " has the thickness " + shortest(plies[i].thickness), "it must be positive and finite",
+                 "remove or correct the ply");
     if (!std::isfinite(plies[i].angle)) issues.add({}, title + " has an angle that is not finite");
   }
   issues.raise();
@@ -188,8 +186,7 @@ LaminateProperty plate_section(const SeparatePlate& plate) {
   if (plate.shear) check(*plate.shear, "the transverse shear of a plate", issues);
   for (const double positive : {plate.thickness, plate.bending_ratio, plate.shear_ratio})
     if (!is_positive(positive))
-      issues.add({}, "the thickness or a ratio of a plate is " + std::to_string(positive),
-                 "it must be positive and finite");
+      issues.add({}, "the thickness or a ratio of a plate is " + shortest(positive), "it must be positive and finite");
   if (!is_modulus_or_default(plate.nonstructural_mass) || !std::isfinite(plate.offset) || !std::isfinite(plate.angle))
     issues.add({}, "the nonstructural mass of a plate is negative, or it, the offset or the angle is not finite");
   issues.raise();

@@ -52,7 +52,12 @@ struct Mesh {
   std::vector<Eigen::Index> connectivity;                      ///< indices of nodes, cell after cell
   std::map<std::string, std::vector<Eigen::Index>> regions;    ///< indices of cells
   std::map<std::string, std::vector<Eigen::Index>> node_sets;  ///< indices of nodes
+  std::map<Eigen::Index, Eigen::Matrix3d> axes = {};  ///< of nodes whose motions are not along global axes: columns
 
+  [[nodiscard]] Eigen::Matrix3d axes_of(Eigen::Index node) const {
+    const auto own = axes.find(node);
+    return own == axes.end() ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : own->second;
+  }
   [[nodiscard]] Eigen::Index node_count() const { return nodes.cols(); }
   [[nodiscard]] std::span<const Eigen::Index> nodes_of(const Cell& cell) const {
     return {connectivity.data() + cell.first, static_cast<std::size_t>(kalfem::node_count(cell.shape))};

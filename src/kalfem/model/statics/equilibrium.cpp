@@ -15,7 +15,7 @@ Resultant& Resultant::operator+=(const Resultant& other) {
 Resultant resultant_of(const Mesh& mesh, const std::vector<DofForce>& forces, const Eigen::Vector3d& centre) {
   Resultant sum{.centre = centre};
   for (const auto& [dof, value] : forces) {
-    const RigidRow row = value * rigid_row(dof.direction, mesh.nodes.col(dof.node) - centre);
+    const RigidRow row = value * rigid_row(dof.direction, mesh.nodes.col(dof.node) - centre, mesh.axes_of(dof.node));
     sum.force += row.head<3>().transpose();
     sum.moment += row.tail<3>().transpose();
   }

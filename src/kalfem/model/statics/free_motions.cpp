@@ -19,9 +19,9 @@ using Matrix6X = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 /// Rigid-body motions about the middle of the model, rotations scaled by its size, n x 6.
 Eigen::MatrixXd scaled_motions(const FiniteElementModel& model, const AssembledModel& assembled,
                                const RigidFrame& frame) {
-  std::vector<PlacedDof> places;
-  for (const auto& [node, direction] : assembled.dofs) places.push_back({model.mesh.nodes.col(node), direction});
-  return rigid_motions(places, frame);
+  Eigen::MatrixXd motions = rigid_body_modes(model, assembled, frame.centre);
+  motions.rightCols<3>() /= frame.radius;
+  return motions;
 }
 
 /// The largest rotation of a motion, of one without rotation the largest translation.
@@ -90,7 +90,7 @@ InvalidInput free_to_move(const FiniteElementModel& model, const AssembledModel&
   if (!words.empty())
     return {"'" + model.name + "' is free to move: it can " + words, "under a load its displacement has no bounds",
             "add supports, springs to ground or imposed motions"};
-  const auto mechanisms = find_mechanisms(model, assembled);
+  const auto mechanisms = find_mechanisms(model, assembled, stiffness);
   if (mechanisms.empty())
     return {"the stiffness of '" + model.name + "' is almost singular", "under a load its displacement has no bounds",
             "check for springs and materials that are far softer than the rest"};

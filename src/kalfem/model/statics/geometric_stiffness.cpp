@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "kalfem/model/elements/solid.hpp"
+#include "kalfem/model/statics/rotation.hpp"
 #include "kalfem/model/statics/statics.hpp"
 
 namespace kalfem {

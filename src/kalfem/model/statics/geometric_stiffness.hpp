@@ -1,5 +1,6 @@
 #pragma once
 
+#include "kalfem/model/linear_model.hpp"
 #include "kalfem/model/statics/load_case.hpp"
 #include "kalfem/model/statics/stresses.hpp"
 

@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "kalfem/model/statics/rotation.hpp"
+
 namespace kalfem {
 namespace {
 

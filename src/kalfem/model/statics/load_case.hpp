@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "kalfem/model/finite_element_model.hpp"
-#include "kalfem/model/statics/rotation.hpp"
 
 namespace kalfem {
 
@@ -36,6 +35,25 @@ struct ImposedMotion {
   NodalDof dof;
   double value = 0.0;
   bool of_support = false;  ///< a support holds it there, and moves by this value
+};
+
+/// A field of acceleration that is linear in space, a(x) = constant + gradient x; a mass m at x has the force m a(x).
+struct AccelerationField {
+  Eigen::Vector3d constant;  ///< [m/s^2]
+  Eigen::Matrix3d gradient;  ///< [1/s^2]
+
+  AccelerationField(const Eigen::Vector3d& everywhere = Eigen::Vector3d::Zero())  // NOLINT: gravity is a field
+      : constant(everywhere), gradient(Eigen::Matrix3d::Zero()) {}
+
+  [[nodiscard]] Eigen::Vector3d at(const Eigen::Vector3d& place) const { return constant + gradient * place; }
+  AccelerationField& operator+=(const AccelerationField& other);
+};
+
+/// Steady rotation of the structure about an axis, seen from axes that turn with it.
+struct Rotation {
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< n, of any length but 0
+  Eigen::Vector3d about = Eigen::Vector3d::Zero();  ///< c, a point of the axis [m]
+  double speed = 0.0;                               ///< W [rad/s]
 };
 
 /// Loads that act together on a model, beside its supports.

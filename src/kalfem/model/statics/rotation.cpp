@@ -43,16 +43,17 @@ Eigen::VectorXd centrifugal_forces(const FiniteElementModel& model, const Rotati
   const AccelerationField field = centrifugal_field(rotation);
   Eigen::VectorXd acceleration = Eigen::VectorXd::Zero(6 * model.mesh.node_count());
   for (Index node = 0; node < model.mesh.node_count(); ++node)
-    acceleration.segment<3>(6 * node) = field.at(model.mesh.nodes.col(node));
+    acceleration.segment<3>(6 * node) = model.mesh.axes_of(node).transpose() * field.at(model.mesh.nodes.col(node));
   return mass_of_nodes(model) * acceleration;
 }
 
 SparseMatrix spin_softening(const FiniteElementModel& model, const Rotation& rotation) {
-  const Eigen::Matrix3d block = across(rotation.axis);
   std::vector<Eigen::Triplet<double>> entries;
-  for (int node = 0; node < static_cast<int>(model.mesh.node_count()); ++node)
+  for (int node = 0; node < static_cast<int>(model.mesh.node_count()); ++node) {
+    const Eigen::Matrix3d block = across(model.mesh.axes_of(node).transpose() * rotation.axis);
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) entries.emplace_back(6 * node + i, 6 * node + j, block(i, j));
+  }
   SparseMatrix projection(6 * model.mesh.node_count(), 6 * model.mesh.node_count());
   projection.setFromTriplets(entries.begin(), entries.end());
   return -rotation.speed * rotation.speed * SparseMatrix(projection * mass_of_nodes(model) * projection);

@@ -1,30 +1,9 @@
 #pragma once
 
-#include <Eigen/Dense>
-
-#include "kalfem/model/finite_element_model.hpp"
 #include "kalfem/model/linear_model.hpp"
+#include "kalfem/model/statics/load_case.hpp"
 
 namespace kalfem {
-
-/// A field of acceleration that is linear in space, a(x) = constant + gradient x; a mass m at x has the force m a(x).
-struct AccelerationField {
-  Eigen::Vector3d constant;  ///< [m/s^2]
-  Eigen::Matrix3d gradient;  ///< [1/s^2]
-
-  AccelerationField(const Eigen::Vector3d& everywhere = Eigen::Vector3d::Zero())  // NOLINT: gravity is a field
-      : constant(everywhere), gradient(Eigen::Matrix3d::Zero()) {}
-
-  [[nodiscard]] Eigen::Vector3d at(const Eigen::Vector3d& place) const { return constant + gradient * place; }
-  AccelerationField& operator+=(const AccelerationField& other);
-};
-
-/// Steady rotation of the structure about an axis, seen from axes that turn with it.
-struct Rotation {
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< n, of any length but 0
-  Eigen::Vector3d about = Eigen::Vector3d::Zero();  ///< c, a point of the axis [m]
-  double speed = 0.0;                               ///< W [rad/s]
-};
 
 /// a(x) = W^2 (1 - n n^T) (x - c).
 AccelerationField centrifugal_field(const Rotation& rotation);

@@ -10,6 +10,7 @@
 #include "kalfem/model/assembly/rigid_body.hpp"
 #include "kalfem/model/checks/single_checks.hpp"
 #include "kalfem/model/statics/free_motions.hpp"
+#include "kalfem/model/statics/rotation.hpp"
 
 namespace kalfem {
 namespace {
@@ -105,6 +106,7 @@ public:
       check_loads(nodal_.back(), each, issues);
       if (each.rotation) nodal_.back() += centrifugal_forces(model_, *each.rotation);
       prescribed_.push_back(prescribed_by(each, issues));
+      if (issues.empty()) require_effect(each, nodal_.back(), prescribed_.back(), issues);
     }
     issues.raise();
     for (const auto& prescribed : prescribed_) factor(prescribed);
@@ -116,16 +118,14 @@ public:
   [[nodiscard]] StaticSolution solve(std::size_t index) const {
     const LoadCase& load_case = cases_.at(index);
     const auto& prescribed = prescribed_[index];
-    const VectorXd forces = assembled_.expansion.transpose() * nodal_[index] + weight(load_case.gravity);
-    VectorXd held_values = VectorXd::Zero(assembled_.size());
-    for (const auto& each : prescribed) held_values[each.place] = each.value;
+    const VectorXd forces = forces_of(load_case, nodal_[index]), held_values = values_of(prescribed);
     const VectorXd z = held_.at(places_of(prescribed)).solve(forces, held_values);
     StaticSolution solution;
     solution.load_case = load_case.name;
     solution.displacements = assembled_.expansion * z;
     solution.applied = applied(nodal_[index], load_case.gravity);
     add_reactions(prescribed, stiffness_ * z - forces, solution);
-    judge_balance(nodal_[index], solution);
+    judge_balance(nodal_[index], (stiffness_.cwiseAbs() * z.cwiseAbs()).maxCoeff(), solution);
     return solution;
   }
 
@@ -177,6 +177,27 @@ private:
       issues.add({},
                  title_of(load_case) + (load_case.rotation ? " rotates it" : " has gravity") + ", but it has no mass",
                  "the load is zero", "give its materials a density, or add masses");
+  }
+
+  /// Forces at supports alone go straight into these, and imposed motions of 0 move nothing.
+  void require_effect(const LoadCase& load_case, const VectorXd& nodal, const std::vector<Prescribed>& prescribed,
+                      IssueList& issues) const {
+    VectorXd forces = forces_of(load_case, nodal);
+    for (const auto& each : prescribed) forces[each.place] = 0.0;
+    if (forces.isZero(0.0) && values_of(prescribed).isZero(0.0))
+      issues.add({}, title_of(load_case) + " acts on supports alone", "it deforms nothing",
+                 "load nodes that can move, or remove the load case");
+  }
+
+  /// Over the degrees of freedom of the released model, gravity among them.
+  [[nodiscard]] VectorXd forces_of(const LoadCase& load_case, const VectorXd& nodal) const {
+    return assembled_.expansion.transpose() * nodal + weight(load_case.gravity);
+  }
+
+  [[nodiscard]] VectorXd values_of(const std::vector<Prescribed>& prescribed) const {
+    VectorXd values = VectorXd::Zero(assembled_.size());
+    for (const auto& each : prescribed) values[each.place] = each.value;
+    return values;
   }
 
   [[nodiscard]] std::string title_of(const LoadCase& load_case) const {
@@ -262,9 +283,13 @@ private:
       forces.push_back({dof, -joint.stiffness * deformation * coefficient});
   }
 
-  void judge_balance(const VectorXd& nodal, StaticSolution& solution) const {
+  /// `largest`: internal force, whose rounding is no load: there are none where supports move the whole alike.
+  void judge_balance(const VectorXd& nodal, double largest, StaticSolution& solution) const {
+    constexpr double rounding = 1e-11;
     auto forces = nonzero(nodal);
     forces.insert(forces.end(), solution.support_forces.begin(), solution.support_forces.end());
+    if (std::ranges::all_of(forces, [&](const auto& force) { return std::abs(force.value) <= rounding * largest; }))
+      return;
     Resultant sum = solution.applied;
     sum += solution.reaction_sum;
     solution.imbalance = relative_imbalance(model_.mesh, sum, forces);

@@ -7,7 +7,8 @@
 #include "kalfem/model/elements/beam_forces.hpp"
 #include "kalfem/model/elements/shell_strains.hpp"
 #include "kalfem/model/finite_element_model.hpp"
-#include "kalfem/model/statics/rotation.hpp"
+#include "kalfem/model/gauges/gauge_description.hpp"
+#include "kalfem/model/statics/load_case.hpp"
 
 namespace kalfem {
 
@@ -20,11 +21,6 @@ using Strain = Eigen::Matrix<double, 6, 1>;
 double von_mises(const Stress& stress);
 /// Principal stresses, the largest first [Pa].
 Eigen::Vector3d principal_stresses(const Stress& stress);
-
-/// Surface of a shell, by the normal of its element: the right-hand rule of its nodes.
-enum class Layer { solid, top, middle, bottom };
-/// "top"; "" of a solid.
-const char* to_string(Layer layer);
 
 /// Stress in one layer of a cell: at its centre, and at each of its nodes (of a quadratic shell its corners).
 struct LayerStress {
