@@ -27,7 +27,7 @@ void Ranks::distribute(const RanksOptions& options) {
   const auto least_rows = std::max<Eigen::Index>(options.least_rows, size_);
   use_factor_maker(
       [&service = *service_, least_rows, &needed = were_needed_](
-          const LowerTriangle& pattern, const EliminationOrder& order) -> std::unique_ptr<FactorWorkspace> {
+          const UpperTriangle& pattern, const EliminationOrder& order) -> std::unique_ptr<FactorWorkspace> {
         if (pattern.size < least_rows) return nullptr;
         needed = true;
         return std::make_unique<MumpsWorkspace>(service, pattern, order);
