@@ -31,12 +31,16 @@ nlohmann::json summary_of(const std::string& launcher, const std::string& verb, 
   return outcome.code == 0 ? read_summary(folder / "out") : nlohmann::json();
 }
 
+nlohmann::json frequencies_of(const nlohmann::json& summary) {
+  return summary.at("model").at("substructures").at("frame").at("frequencies_hz");
+}
+
 TEST(CommandOnRanks, FindsTheSameModes) {
   const auto serial = summary_of("", "modes", "vehicle/vehicle.yaml");
-  const auto expected = serial.at("modes").at("frame").at("frequencies_hz");
+  const auto expected = frequencies_of(serial);
   ASSERT_GT(expected.size(), 10U);
   for (const int ranks : {2, 4}) {
-    const auto found = summary_of(on(ranks), "modes", "vehicle/vehicle.yaml").at("modes").at("frame").at("frequencies_hz");
+    const auto found = frequencies_of(summary_of(on(ranks), "modes", "vehicle/vehicle.yaml"));
     ASSERT_EQ(found.size(), expected.size());
     for (std::size_t i = 0; i < found.size(); ++i)
       EXPECT_NEAR(found[i].get<double>(), expected[i].get<double>(), 1e-9 * expected[i].get<double>()) << ranks;
