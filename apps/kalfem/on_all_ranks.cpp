@@ -42,9 +42,10 @@ int serve(distributed::Ranks& ranks) {
 
 int on_ranks(int argc, char** argv, const std::function<int()>& command) {
   if (launched_rank().ranks == 1) return command();
-  const auto chosen = options();
-  distributed::Ranks ranks(argc, argv, chosen);
+  distributed::Ranks ranks(argc, argv);
   if (ranks.works_for_rank_0()) return serve(ranks);
+  const auto chosen = options();
+  ranks.distribute(chosen);
   const int code = command();
   if (code == done && !ranks.were_needed())
     print_error(

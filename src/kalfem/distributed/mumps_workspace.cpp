@@ -37,10 +37,10 @@ void set_options(DMUMPS_STRUC_C& state) {
   entry(state.cntl, 1) = 0.0;  // no pivoting
 }
 
-EliminationOrder fill_reducing_order(const LowerTriangle& pattern) { return CholmodWorkspace(pattern, {}).order(); }
+EliminationOrder fill_reducing_order(const UpperTriangle& pattern) { return CholmodWorkspace(pattern, {}).order(); }
 
 /// A_jj^-1/2; what no factor can answer is refused.
-VectorXd unit_diagonal_scale(const LowerTriangle& matrix) {
+VectorXd unit_diagonal_scale(const UpperTriangle& matrix) {
   for (Index column = 0; column < matrix.size; ++column) {
     if (!(matrix.diagonal[column] > 0.0)) throw NotPositiveDefinite(column);
     for (auto k = matrix.starts[static_cast<std::size_t>(column)];
@@ -56,7 +56,7 @@ VectorXd unit_diagonal_scale(const LowerTriangle& matrix) {
 // The matrix is scaled to a unit diagonal, so that the smallest entry of D, which MUMPS keeps account of, is the
 // smallest pivot relative to its diagonal entry. It does not tell which it is: the column that is named for a matrix
 // that is not positive definite is the one that moves most where it is weakest.
-MumpsWorkspace::MumpsWorkspace(Service& service, const LowerTriangle& pattern, const EliminationOrder& order)
+MumpsWorkspace::MumpsWorkspace(Service& service, const UpperTriangle& pattern, const EliminationOrder& order)
     : scale_(unit_diagonal_scale(pattern)),
       order_(order.empty() ? fill_reducing_order(pattern) : order),
       mumps_(service) {
@@ -77,7 +77,7 @@ void MumpsWorkspace::fail() const {
                          std::to_string(entry(mumps_.state().infog, 2)));
 }
 
-void MumpsWorkspace::give(const LowerTriangle& matrix) {
+void MumpsWorkspace::give(const UpperTriangle& matrix) {
   rows_.resize(matrix.rows.size());
   columns_.resize(matrix.rows.size());
   for (Index column = 0; column < matrix.size; ++column)
@@ -100,7 +100,7 @@ void MumpsWorkspace::take_back() {
   rows_ = columns_ = {};
 }
 
-void MumpsWorkspace::factorize(const LowerTriangle& matrix) {
+void MumpsWorkspace::factorize(const UpperTriangle& matrix) {
   scale_ = unit_diagonal_scale(matrix);
   mumps_.state().colsca = mumps_.state().rowsca = scale_.data();
   if (rows_.empty()) give(matrix);
@@ -130,11 +130,11 @@ bool MumpsWorkspace::eliminate(const std::vector<double>& values) {
 }
 
 /// A factor near that of a matrix with a zero pivot, to find what is weak there.
-void MumpsWorkspace::eliminate_beside(const LowerTriangle& matrix) {
+void MumpsWorkspace::eliminate_beside(const UpperTriangle& matrix) {
   std::vector<double> values = matrix.values;
   do {
     for (Index column = 0; column < matrix.size; ++column)
-      values[static_cast<std::size_t>(matrix.starts[static_cast<std::size_t>(column)])] *= 1.0 + 0.1 * zero_pivot;
+      values[static_cast<std::size_t>(matrix.starts[static_cast<std::size_t>(column) + 1] - 1)] *= 1.0 + 0.1 * zero_pivot;
   } while (!eliminate(values));
 }
 

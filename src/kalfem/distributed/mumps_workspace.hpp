@@ -13,9 +13,9 @@ namespace kalfem::distributed {
 /// A is positive definite where no entry of D is negative or below zero_pivot A_jj.
 class MumpsWorkspace : public FactorWorkspace {
 public:
-  MumpsWorkspace(Service& service, const LowerTriangle& pattern, const EliminationOrder& order);
+  MumpsWorkspace(Service& service, const UpperTriangle& pattern, const EliminationOrder& order);
 
-  void factorize(const LowerTriangle& matrix) override;
+  void factorize(const UpperTriangle& matrix) override;
   void solve(const Eigen::Ref<const Eigen::MatrixXd>& right_side, Eigen::Ref<Eigen::MatrixXd> solution) override;
 
   [[nodiscard]] EliminationOrder order() const override { return order_; }
@@ -24,10 +24,10 @@ public:
   [[nodiscard]] double smallest_pivot() const override { return smallest_pivot_; }
 
 private:
-  void give(const LowerTriangle& matrix);
+  void give(const UpperTriangle& matrix);
   void take_back();
   bool eliminate(const std::vector<double>& values);
-  void eliminate_beside(const LowerTriangle& matrix);
+  void eliminate_beside(const UpperTriangle& matrix);
   [[nodiscard]] Eigen::Index weakest_column(bool negative_met);
   [[noreturn]] void fail() const;
 

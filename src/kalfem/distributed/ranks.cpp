@@ -12,7 +12,7 @@
 
 namespace kalfem::distributed {
 
-Ranks::Ranks(int& argc, char**& argv, const RanksOptions& options) {
+Ranks::Ranks(int& argc, char**& argv) {
   int threads = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_SERIALIZED, &threads);
   if (threads < MPI_THREAD_SERIALIZED)
@@ -21,11 +21,13 @@ Ranks::Ranks(int& argc, char**& argv, const RanksOptions& options) {
   MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
   MPI_Comm_size(MPI_COMM_WORLD, &size_);
   service_ = std::make_unique<Service>(MPI_COMM_WORLD);
-  if (works_for_rank_0()) return;
+}
+
+void Ranks::distribute(const RanksOptions& options) {
   const auto least_rows = std::max<Eigen::Index>(options.least_rows, size_);
   use_factor_maker(
       [&service = *service_, least_rows, &needed = were_needed_](
-          const LowerTriangle& pattern, const EliminationOrder& order) -> std::unique_ptr<FactorWorkspace> {
+          const UpperTriangle& pattern, const EliminationOrder& order) -> std::unique_ptr<FactorWorkspace> {
         if (pattern.size < least_rows) return nullptr;
         needed = true;
         return std::make_unique<MumpsWorkspace>(service, pattern, order);

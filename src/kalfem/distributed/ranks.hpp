@@ -9,21 +9,22 @@ namespace kalfem::distributed {
 class Service;
 
 struct RanksOptions {
-  Eigen::Index least_rows = 20000;  ///< matrices with fewer rows are factored by rank 0 alone
+  Eigen::Index least_rows = 20000;  ///< matrices with fewer rows, or fewer than ranks, are factored by rank 0 alone
 };
 
-/// The processes that an MPI launcher started for one case. Rank 0 runs the program as if it were alone, and from here
-/// on its SparseFactor distributes large matrices over all ranks; the others serve it:
+/// The processes that an MPI launcher started for one case. Rank 0 runs the program as if it were alone, while its
+/// SparseFactor distributes large matrices over all ranks; the others serve it:
 ///
 ///     Ranks ranks(argc, argv);
 ///     if (ranks.works_for_rank_0()) return ranks.serve();
+///     ranks.distribute();
 ///     ...
 ///
-/// One object a process; what was factored ends before it.
+/// One object a process; factors end before it.
 class Ranks {
 public:
-  /// Throws InvalidInput where the MPI library cannot be called from several threads in turn.
-  Ranks(int& argc, char**& argv, const RanksOptions& options = {});
+  /// Throws InvalidInput where the MPI library cannot be called by several threads in turn.
+  Ranks(int& argc, char**& argv);
   /// On rank 0, also after an exception: lets the workers go.
   ~Ranks();
   Ranks(const Ranks&) = delete;
@@ -33,10 +34,13 @@ public:
   [[nodiscard]] int size() const { return size_; }
   [[nodiscard]] bool works_for_rank_0() const { return rank_ > 0; }
 
-  /// Does the worker's part of what rank 0 asks for, until rank 0 is through.
-  void serve();
-  /// Whether rank 0 has distributed anything up to now.
+  /// On rank 0: factors are distributed from here on.
+  void distribute(const RanksOptions& options = {});
+  /// Whether any was.
   [[nodiscard]] bool were_needed() const { return were_needed_; }
+
+  /// On a worker: does its part of what rank 0 asks for, until rank 0 is through.
+  void serve();
   /// Ends all ranks at once with an exit code: for a worker that cannot go on.
   [[noreturn]] void abandon(int code) const;
 

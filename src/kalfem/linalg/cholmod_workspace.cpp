@@ -15,7 +15,7 @@ using Eigen::MatrixXd;
 
 namespace {
 
-cholmod_sparse sparse_view(const LowerTriangle& matrix) {
+cholmod_sparse sparse_view(const UpperTriangle& matrix) {
   cholmod_sparse view{};
   view.nrow = view.ncol = static_cast<std::size_t>(matrix.size);
   view.nzmax = matrix.rows.size();
@@ -69,7 +69,7 @@ void visit_diagonal(const cholmod_factor& factor, Visitor visit) {
 // CHOLMOD is given views of our arrays and allocates only L. After the factorisation the squared pivots l_jj^2 are
 // compared with the diagonal of A: a quotient near rounding means that the matrix is singular for our purposes, even
 // where CHOLMOD went through. Failures are read from its status, never from its messages.
-CholmodWorkspace::CholmodWorkspace(const LowerTriangle& pattern, const EliminationOrder& order) {
+CholmodWorkspace::CholmodWorkspace(const UpperTriangle& pattern, const EliminationOrder& order) {
   keep_blas_to_one_thread();
   cholmod_l_start(&common_);
   common_.print = 0;
@@ -97,7 +97,7 @@ CholmodWorkspace::~CholmodWorkspace() {
   cholmod_l_finish(&common_);
 }
 
-void CholmodWorkspace::factorize(const LowerTriangle& matrix) {
+void CholmodWorkspace::factorize(const UpperTriangle& matrix) {
   cholmod_sparse view = sparse_view(matrix);
   {
     const OneOpenMpThread alone;  // its own four only wait for each other
@@ -109,7 +109,7 @@ void CholmodWorkspace::factorize(const LowerTriangle& matrix) {
 }
 
 /// l_jj^2 / a_jj is what elimination left of the diagonal entry: the sine of the angle to the columns before, squared.
-void CholmodWorkspace::check_pivots(const LowerTriangle& matrix) {
+void CholmodWorkspace::check_pivots(const UpperTriangle& matrix) {
   smallest_pivot_ = 1.0;
   visit_diagonal(*factor_, [&](std::size_t j, double entry) {
     const Index column = given_column(j);

@@ -9,12 +9,12 @@ namespace kalfem {
 /// L L^T = P A P^T by CHOLMOD [CDHR08] on this computer.
 class CholmodWorkspace : public FactorWorkspace {
 public:
-  CholmodWorkspace(const LowerTriangle& pattern, const EliminationOrder& order);
+  CholmodWorkspace(const UpperTriangle& pattern, const EliminationOrder& order);
   ~CholmodWorkspace() override;
   CholmodWorkspace(const CholmodWorkspace&) = delete;
   CholmodWorkspace& operator=(const CholmodWorkspace&) = delete;
 
-  void factorize(const LowerTriangle& matrix) override;
+  void factorize(const UpperTriangle& matrix) override;
   void solve(const Eigen::Ref<const Eigen::MatrixXd>& right_side, Eigen::Ref<Eigen::MatrixXd> solution) override;
 
   /// Known from the analysis on.
@@ -30,7 +30,7 @@ private:
     cholmod_dense* e = nullptr;
   };
 
-  void check_pivots(const LowerTriangle& matrix);
+  void check_pivots(const UpperTriangle& matrix);
   [[nodiscard]] Eigen::Index given_column(std::size_t j) const;
   void solve_whole(cholmod_dense right_side, cholmod_dense solution);
   [[noreturn]] void fail() const;

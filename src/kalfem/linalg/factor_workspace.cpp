@@ -16,7 +16,7 @@ FactorMaker& maker_in_use() {
 
 FactorMaker use_factor_maker(FactorMaker maker) { return std::exchange(maker_in_use(), std::move(maker)); }
 
-std::unique_ptr<FactorWorkspace> make_factor_workspace(const LowerTriangle& pattern, const EliminationOrder& order) {
+std::unique_ptr<FactorWorkspace> make_factor_workspace(const UpperTriangle& pattern, const EliminationOrder& order) {
   if (const auto& maker = maker_in_use())
     if (auto workspace = maker(pattern, order)) return workspace;
   return std::make_unique<CholmodWorkspace>(pattern, order);

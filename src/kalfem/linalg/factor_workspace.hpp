@@ -4,7 +4,7 @@
 #include <functional>
 #include <memory>
 
-#include "kalfem/linalg/lower_triangle.hpp"
+#include "kalfem/linalg/upper_triangle.hpp"
 #include "kalfem/linalg/sparse_factor.hpp"
 
 namespace kalfem {
@@ -19,7 +19,7 @@ public:
   virtual ~FactorWorkspace() = default;
 
   /// Throws NotPositiveDefinite, after which only another factorize() makes sense.
-  virtual void factorize(const LowerTriangle& matrix) = 0;
+  virtual void factorize(const UpperTriangle& matrix) = 0;
   /// X = A^-1 B, n x k, k > 0; X and B may be the same.
   virtual void solve(const Eigen::Ref<const Eigen::MatrixXd>& right_side, Eigen::Ref<Eigen::MatrixXd> solution) = 0;
 
@@ -30,13 +30,13 @@ public:
 };
 
 /// Makes the workspace for a pattern; `order` may be empty. It may answer nothing: CHOLMOD then factors.
-using FactorMaker = std::function<std::unique_ptr<FactorWorkspace>(const LowerTriangle&, const EliminationOrder&)>;
+using FactorMaker = std::function<std::unique_ptr<FactorWorkspace>(const UpperTriangle&, const EliminationOrder&)>;
 
 /// From now on `maker` is asked first, in the whole process; an empty one: CHOLMOD factors everything, as at the start.
 /// To be called while no other thread factors. Returns the one before.
 FactorMaker use_factor_maker(FactorMaker maker);
 
 /// By the maker in use, otherwise by CHOLMOD.
-std::unique_ptr<FactorWorkspace> make_factor_workspace(const LowerTriangle& pattern, const EliminationOrder& order);
+std::unique_ptr<FactorWorkspace> make_factor_workspace(const UpperTriangle& pattern, const EliminationOrder& order);
 
 }  // namespace kalfem

@@ -19,7 +19,7 @@ NotPositiveDefinite::NotPositiveDefinite(Index column)
 
 /// The library that factors, and what the next matrix must have in common with the one that was analysed.
 struct SparseFactor::Workspace {
-  Workspace(const LowerTriangle& matrix, const EliminationOrder& order)
+  Workspace(const UpperTriangle& matrix, const EliminationOrder& order)
       : size(matrix.size), pattern(matrix.pattern()), factor(make_factor_workspace(matrix, order)) {
     factor->factorize(matrix);
   }
@@ -38,7 +38,7 @@ SparseFactor::SparseFactor(const Eigen::SparseMatrix<double>& matrix, const Elim
     throw InvalidInput(
         "an order of " + std::to_string(order.size()) + " rows for a matrix of " + std::to_string(matrix.rows()),
         "it must contain each row once", "pass the order of a factor of the same size");
-  workspace_ = std::make_unique<Workspace>(LowerTriangle(matrix, springs), order);
+  workspace_ = std::make_unique<Workspace>(UpperTriangle(matrix, springs), order);
 }
 
 SparseFactor::~SparseFactor() = default;
@@ -46,7 +46,7 @@ SparseFactor::SparseFactor(SparseFactor&&) noexcept = default;
 SparseFactor& SparseFactor::operator=(SparseFactor&&) noexcept = default;
 
 void SparseFactor::refactor(const Eigen::SparseMatrix<double>& matrix) {
-  const LowerTriangle given(matrix);
+  const UpperTriangle given(matrix);
   if (given.size != size() || given.pattern() != workspace_->pattern)
     throw InvalidInput("the matrix has a different pattern from the one analysed", "its factor has a different size",
                        "make a new SparseFactor or keep explicit zeros");
