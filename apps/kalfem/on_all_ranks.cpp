@@ -1,6 +1,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <exception>
+#include <string_view>
 
 #include "console.hpp"
 #include "kalfem/base/invalid_input.hpp"
@@ -26,9 +27,14 @@ distributed::RanksOptions options() {
   return options;
 }
 
-/// A worker does what rank 0 asks for, and it is rank 0 that a signal may ask to stop.
-int serve(distributed::Ranks& ranks) {
+/// It is rank 0 that a signal may ask to stop.
+void leave_signals_to_rank_0() {
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_IGN);
+}
+
+/// A worker does what rank 0 asks for.
+int serve(distributed::Ranks& ranks) {
+  leave_signals_to_rank_0();
   try {
     ranks.serve();
   } catch (const std::exception& error) {
@@ -43,6 +49,11 @@ int serve(distributed::Ranks& ranks) {
 int on_ranks(int argc, char** argv, const std::function<int()>& command) {
   if (launched_rank().ranks == 1) return command();
   distributed::Ranks ranks(argc, argv);
+  if (argc > 1 && std::string_view(argv[1]) == "sweep") {
+    ranks.share_runs();
+    if (ranks.works_for_rank_0()) leave_signals_to_rank_0();
+    return command();
+  }
   if (ranks.works_for_rank_0()) return serve(ranks);
   const auto chosen = options();
   ranks.distribute(chosen);

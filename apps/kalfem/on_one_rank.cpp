@@ -1,5 +1,6 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "ranks.hpp"
+#include "sweep_on_ranks.hpp"
 #include "verbs.hpp"
 
 namespace kalfem::command {
@@ -12,5 +13,13 @@ int on_ranks(int, char**, const std::function<int()>& command) {
                      "it was built without MPI, so each of them would do the whole work and write the same files",
                      "build it with -DKALFEM_MPI=ON (cmake --preset mpi), or start it without mpirun");
 }
+
+std::unique_ptr<Sweep> sweep_of_all_ranks(const std::function<std::unique_ptr<Sweep>()>& make) { return make(); }
+
+bool works_for_rank_0() { return false; }
+
+void make_runs_for_rank_0(Sweep&) {}
+
+std::vector<SweepRun> run_on_ranks(Sweep& sweep, const SweepOptions& options) { return sweep.run(options); }
 
 }  // namespace kalfem::command

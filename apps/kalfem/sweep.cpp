@@ -5,6 +5,7 @@
 #include "console.hpp"
 #include "kalfem/report/sweep_report.hpp"
 #include "kalfem/report/tables.hpp"
+#include "sweep_on_ranks.hpp"
 #include "verbs.hpp"
 
 namespace kalfem::command {
@@ -58,15 +59,24 @@ fs::path folder_of(const SweepArguments& arguments) {
 
 ExitCode sweep(const SweepArguments& arguments) {
   const fs::path place = folder_of(arguments);
-  Sweep sweep({arguments.case_file, changes_of(arguments.changes), axes_of(arguments.grid), arguments.seeds});
+  const auto made = sweep_of_all_ranks([&] {
+    return std::make_unique<Sweep>(
+        SweepPlan{arguments.case_file, changes_of(arguments.changes), axes_of(arguments.grid), arguments.seeds});
+  });
+  if (!made) return mend_the_input;
+  Sweep& sweep = *made;
+  if (works_for_rank_0()) {
+    make_runs_for_rank_0(sweep);
+    return done;
+  }
   SweepFolder folder(place, sweep);
   if (!folder.known().empty())
     print("{} of {} runs are known from {}\n", folder.known().size(), sweep.plan().size(),
           (place / "runs.jsonl").string());
-  const auto runs = sweep.run({.threads = arguments.threads,
-                               .known = folder.known(),
-                               .on_run = [&](const SweepRun& run) { folder.add(run); },
-                               .progress = progress_bar(true)});
+  const auto runs = run_on_ranks(sweep, {.threads = arguments.threads,
+                                         .known = folder.known(),
+                                         .on_run = [&](const SweepRun& run) { folder.add(run); },
+                                         .progress = progress_bar(true)});
   const auto finished = finished_runs(runs);
   folder.finish(finished);
   for (const auto& table : sweep_tables(sweep.plan(), finished))

@@ -404,6 +404,7 @@ substructures:
       materials: {steel: {youngs_modulus: 210 GPa, density: 7850 kg/m^3}}
       regions: {plate: {material: steel, shell: {thickness: 5 mm, offset: 0 mm}}}
       nodes: {c: corner, f: far, m: [0.5, 0.4, 0]}
+      gauges: {g: {element: 1, direction: [1, 0, 0], surface: top}}
       links: {rigid: {master: f, nodes: m, directions: [x, y, z, rx, ry, rz]}}
       fixed: {clamp: {nodes: edge}}
     preload: push
@@ -420,7 +421,7 @@ static:
 frequency_response:
   frequencies: {from: 1 Hz, to: 50 Hz, lines: 5, spacing: linear}
   inputs: [plate.f.z]
-  outputs: [{displacement: plate.f.z}, {velocity: plate.m.z}, {acceleration: plate.m.x}]
+  outputs: [{displacement: plate.f.z}, {velocity: plate.m.z}, {acceleration: plate.m.x}, {strain: plate.g}]
   model: both
   method: modal
   substructure: plate
@@ -488,6 +489,7 @@ substructures:
   right:
     finite_elements:
       mesh: plate.msh
+      rotate: {axis: [1, 0, 0], angle: 10 deg, about: [0 m, 0.4 m, 0 m]}
       translate: [1 m, 0 m, 0 m]
       materials: {steel: {youngs_modulus: 210 GPa, density: 7850 kg/m^3}}
       regions: {plate: {material: steel, shell: {thickness: 5 mm}}}

@@ -300,7 +300,7 @@ TEST(TurnedDeck, KeepsItsSupportsSpringsAndLoads) {
   std::ofstream(folder / "bar.bdf")
       << "SOL 101\nCEND\nSPC = 3\nSUBCASE 1\nLOAD = 9\nBEGIN BULK\n"
          "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,2.,0.,0.\nCBAR,1,1,1,2,0.,0.,1.\nCBAR,2,1,2,3,0.,0.,1.\n"
-         "PBAR,1,1,1.-3,1.-7,4.-7,3.-7\nMAT1,1,2.+11,,.3,7850.\nSPC1,3,12345,1\nSPC1,3,3,3\n"
+         "PBAR,1,1,1.-3,1.-7,4.-7,3.-7\nMAT1,1,2.+11,,.3,7850.\nSPC1,3,12346,1\nSPC1,3,3,3\n"
          "CELAS2,7,1.+4,2,3\nFORCE,9,2,,100.,0.,0.,-1.\nENDDATA\n";
   const auto solved = [&](const std::string& turn) {
     const auto results =

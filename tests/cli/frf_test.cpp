@@ -206,9 +206,10 @@ TEST_F(Frf, GivesStrainAtGauges) {
   std::string text = beam;
   text.replace(text.find("connectors"), std::string::npos, "");
   text.insert(text.find("      fixed:"), "      gauges: {g: {element: 3, fibre: [0, 5 mm]}}\n");
+  text.replace(text.find("{up_to: 200 Hz}"), 15, "{up_to: 200 Hz, boundary: [tip]}");
   text.insert(text.find("    damping:"), "    springs: [{from: ground, to: tip.z, stiffness: 1e-3 N/m}]\n");
   const auto outcome = run(text + R"(frequency_response:
-  frequencies: {from: 0.05 Hz, to: 60 Hz, lines: 60}
+  frequencies: {from: 0.05 Hz, to: 60 Hz, lines: 1200}
   inputs: [arm.tip.z, arm.ground]
   outputs: [{strain: arm.g}, {acceleration: arm.tip.z}]
   model: both
@@ -219,13 +220,14 @@ TEST_F(Frf, GivesStrainAtGauges) {
   ASSERT_EQ(responses.size(), 4u);
   EXPECT_EQ(responses[0]["unit"], "(m/m)/N");
   EXPECT_EQ(responses[2]["unit"], "(m/m)/m");
-  EXPECT_LT(responses[0]["difference"]["at_resonances"].get<double>(), 0.01);
+  EXPECT_LT(responses[0]["difference"]["at_resonances"].get<double>(), 0.02);
   const std::string table = read(folder_ / "out" / "frf_full_strain_arm.tip.z.csv");
   EXPECT_NE(table.find("arm.g_re [(m/m)/N]"), std::string::npos) << table.substr(0, 200);
-  const FrequencyResponse strains = read_frf_table(folder_ / "out" / "frf_full_strain_arm.tip.z.csv");
+  const std::string first = table.substr(table.find("\n") + 1);
+  const double slow = std::stod(first.substr(first.find(',') + 1));
   const double inertia = 0.02 * std::pow(0.01, 3) / 12.0;
   const double expected = -5e-3 * (1.0 - 0.25) / (210e9 * inertia);
-  EXPECT_NEAR(strains.values(0, 0).real(), expected, 1e-4 * std::abs(expected));
+  EXPECT_NEAR(slow, expected, 1e-4 * std::abs(expected));
 }
 
 TEST_F(Frf, RefusesLinesWithoutAFiniteResponse) {

@@ -65,7 +65,7 @@ ROOT, 1, 3
 30, 3, 3
 )";
 
-const std::string output = "*NODE PRINT, NSET=ALL\nU\n*END STEP\n";
+const std::string output = "*NODE PRINT, NSET=ALL, GLOBAL=YES\nU\n*END STEP\n";
 const std::string forces = "*STEP\n*STATIC\n*BOUNDARY\n30, 2, 2\n*CLOAD\nTIP, 3, 2.\n8, 1, 30.\n" + output;
 const std::string pressed = "*STEP\n*STATIC\n*DLOAD\nBAR, GRAV, 9.81, 0., -1., -2.\n3, P4, 12.\n2, P2, 7.\n" + output;
 

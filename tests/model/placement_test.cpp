@@ -38,7 +38,7 @@ FixedNodes held(const std::string& name, std::vector<Index> nodes, const std::ve
 /// off its node.
 FiniteElementModel elements() {
   Mesh mesh = line_mesh({0.0, 0.0, 0.0}, {2.0, 0.0, 0.0}, 2);
-  for (const auto& place : {Vector3d(0, 1, 0), Vector3d(1, 1, 0.1), Vector3d(1, 2, 0), Vector3d(0, 2, 0)})
+  for (const auto& place : {Vector3d(0, 1, 0), Vector3d(1, 1, 0), Vector3d(1, 2, 0), Vector3d(0, 2, 0)})
     add_node(mesh, place);
   for (const double z : {1.0, 2.0})
     for (const auto& place : {Vector3d(0, 0, z), Vector3d(1, 0, z), Vector3d(1.1, 1, z), Vector3d(0, 1, z)})
@@ -73,8 +73,8 @@ TEST(Placement, TurnsStiffnessAndMass) {
   const auto before = assemble(elements()), after = assemble(placed(elements()));
   ASSERT_EQ(after.dofs, before.dofs);
   const MatrixXd turn = turn_of(before, askew.rotation);
-  EXPECT_LT(difference(stiffness_of(after), turn * stiffness_of(before) * turn.transpose()), 1e-12);
-  EXPECT_LT(difference(mass_of(after), turn * mass_of(before) * turn.transpose()), 1e-12);
+  EXPECT_LT(difference(stiffness_of(after), turn * stiffness_of(before) * turn.transpose()), 1e-10);
+  EXPECT_LT(difference(mass_of(after), turn * mass_of(before) * turn.transpose()), 1e-10);
   EXPECT_GT(difference(stiffness_of(after), stiffness_of(before)), 0.1);
 }
 

@@ -35,7 +35,7 @@ void Ranks::distribute(const RanksOptions& options) {
 }
 
 Ranks::~Ranks() {
-  if (!works_for_rank_0()) {
+  if (!works_for_rank_0() && orders_) {
     use_factor_maker({});
     service_->together({Task::finish}, [] {});
   }

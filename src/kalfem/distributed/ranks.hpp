@@ -34,6 +34,9 @@ public:
   [[nodiscard]] int size() const { return size_; }
   [[nodiscard]] bool works_for_rank_0() const { return rank_ > 0; }
 
+  /// From now on each rank works by itself, on runs of its own: rank 0 gives no orders.
+  void share_runs() { orders_ = false; }
+
   /// On rank 0: factors are distributed from here on.
   void distribute(const RanksOptions& options = {});
   /// Whether any was.
@@ -47,6 +50,7 @@ public:
 private:
   int rank_ = 0, size_ = 1;
   std::unique_ptr<Service> service_;
+  bool orders_ = true;
   std::atomic<bool> were_needed_ = false;
 };
 

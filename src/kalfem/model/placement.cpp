@@ -60,9 +60,10 @@ void write_as_constraints(std::vector<Link>& links, const Mesh& mesh, std::vecto
   std::erase_if(links, [](const Link& link) { return !is_whole(link); });
 }
 
-/// dof - shares . (translations or rotations of the leader) = 0.
+/// dof - shares . (translations or rotations of the leader) = 0, between a node and its local one.
 MultiPointConstraint following(const Mesh& mesh, const NodalDof& dof, Index leader, const Vector3d& shares) {
-  MultiPointConstraint constraint{"axes." + dof_name(mesh, dof), {{dof, 1.0}}};
+  const NodalDof own{std::max(dof.node, leader), dof.direction};  // local nodes are behind all others
+  MultiPointConstraint constraint{"axes." + dof_name(mesh, own), {{dof, 1.0}}};
   for (int along = 0; along < 3; ++along)
     if (shares[along] != 0.0) constraint.terms.push_back({{leader, dof.direction / 3 * 3 + along}, -shares[along]});
   return constraint;

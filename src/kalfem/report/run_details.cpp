@@ -43,7 +43,8 @@ Table timing_table(const Study& study, const StudyResults& results) {
     std::ranges::replace(step, '_', ' ');
     table.rows.push_back({step, fmt::format("{:.3f}", seconds)});
   };
-  for (const auto& [step, seconds] : step_times(study, results).list()) {
+  const PhaseTimes times = step_times(study, results);
+  for (const auto& [step, seconds] : times.list()) {
     add(step, seconds);
     if (step == "reduce")
       for (const auto& [part, own] : study.reduce_phases.list()) add("  of that: " + part, own);

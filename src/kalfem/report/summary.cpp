@@ -388,7 +388,8 @@ Json validation_record_summary(const ValidationPlan& plan, const OpenLoopCompari
 
 Json timing_summary(const Study& study, const StudyResults& results) {
   Json timing = {{"total_s", number(results.total_seconds)}};
-  for (const auto& [step, seconds] : step_times(study, results).list()) timing[step + "_s"] = number(seconds);
+  const PhaseTimes times = step_times(study, results);
+  for (const auto& [step, seconds] : times.list()) timing[step + "_s"] = number(seconds);
   for (const auto& [part, seconds] : study.reduce_phases.list()) timing["reduce_split_s"][part] = number(seconds);
   if (results.estimation) {
     const auto& outcome = *results.estimation;

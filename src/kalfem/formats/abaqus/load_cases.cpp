@@ -198,8 +198,14 @@ private:
       if (!value) continue;
       const auto directions = directions_of(line, true);
       if (!directions) continue;
-      for (const Index node : deck_.node_list({line.field(0), line.where}, place))
+      for (const Index node : deck_.node_list({line.field(0), line.where}, place)) {
+        if (axes_.contains(node) && !deck_.local_nodes.contains(node)) {
+          if (*value != 0.0)
+            note(block.keyword, " with a value in axes of *TRANSFORM, first in a later step", "the motion is left out");
+          continue;
+        }
         for (int d = directions->first; d <= directions->last; ++d) impose({moved_node(node), d}, *value);
+      }
     }
   }
 
