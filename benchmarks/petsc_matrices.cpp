@@ -1,5 +1,5 @@
-// Writes the stiffness and mass matrix of a deck in PETSc's binary form, for slepc_modes. Usage: petsc_matrices DECK STEM
-// writes STEM.K and STEM.M.
+// Writes the stiffness and mass matrix of a deck in PETSc's binary form, for slepc_modes. Usage: petsc_matrices DECK
+// STEM writes STEM.K and STEM.M.
 #include <bit>
 #include <cstdint>
 #include <cstdio>

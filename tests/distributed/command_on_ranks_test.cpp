@@ -53,7 +53,8 @@ TEST(CommandOnRanks, IdentifiesTheSameParameters) {
   ASSERT_FALSE(serial.at("parameters").empty());
   for (const auto& [name, parameter] : serial.at("parameters").items()) {
     const double estimate = parameter.at("estimate").get<double>();
-    EXPECT_NEAR(distributed.at("parameters").at(name).at("estimate").get<double>(), estimate, 1e-6 * std::abs(estimate));
+    EXPECT_NEAR(distributed.at("parameters").at(name).at("estimate").get<double>(), estimate,
+                1e-6 * std::abs(estimate));
   }
 }
 
@@ -63,7 +64,8 @@ TEST(CommandOnRanks, SaysWhereTheOtherRanksHadNothingToDo) {
                                          "ground, to: w, stiffness: 20 kN/m}]}}\n";
   const auto outcome = run(on(4), "modes " + (folder / "case.yaml").string(), folder);
   EXPECT_EQ(outcome.code, 0) << outcome.errors;
-  EXPECT_NE(outcome.errors.find("4 ranks were started, and rank 0 did everything"), std::string::npos) << outcome.errors;
+  EXPECT_NE(outcome.errors.find("4 ranks were started, and rank 0 did everything"), std::string::npos)
+      << outcome.errors;
 }
 
 TEST(CommandOnRanks, RefusesANumberOfRowsThatIsNone) {
@@ -91,8 +93,10 @@ std::vector<pid_t> children_of(pid_t process) {
 
 TEST(CommandOnRanks, EndsWhereAWorkerDies) {
   const ScratchFolder folder("dead-worker");
-  const std::string line = line_of(on(2), "run " + example("vehicle/vehicle.yaml") + " --set simulate.duration=300s --out " +
-                                              (folder / "out").string(), folder);
+  const std::string line = line_of(
+      on(2),
+      "run " + example("vehicle/vehicle.yaml") + " --set simulate.duration=300s --out " + (folder / "out").string(),
+      folder);
   const pid_t launcher = start({"/bin/sh", "-c", "exec " + line});
   while (children_of(launcher).size() < 2) std::this_thread::sleep_for(std::chrono::milliseconds(20));
   std::this_thread::sleep_for(std::chrono::seconds(2));

@@ -134,7 +134,8 @@ void MumpsWorkspace::eliminate_beside(const UpperTriangle& matrix) {
   std::vector<double> values = matrix.values;
   do {
     for (Index column = 0; column < matrix.size; ++column)
-      values[static_cast<std::size_t>(matrix.starts[static_cast<std::size_t>(column) + 1] - 1)] *= 1.0 + 0.1 * zero_pivot;
+      values[static_cast<std::size_t>(matrix.starts[static_cast<std::size_t>(column) + 1] - 1)] *=
+          1.0 + 0.1 * zero_pivot;
   } while (!eliminate(values));
 }
 

@@ -4,8 +4,8 @@
 #include <functional>
 #include <memory>
 
-#include "kalfem/linalg/upper_triangle.hpp"
 #include "kalfem/linalg/sparse_factor.hpp"
+#include "kalfem/linalg/upper_triangle.hpp"
 
 namespace kalfem {
 

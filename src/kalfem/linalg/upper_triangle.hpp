@@ -10,8 +10,8 @@
 namespace kalfem {
 
 /// The upper triangle of a symmetric matrix by columns, rows ascending, which CHOLMOD turns into its own form with one
-/// copy. With 64-bit indices: those of the factor may exceed 32 bits where the matrix's own do not. `springs`, n x 1, are
-/// added to the diagonal, where they are given.
+/// copy. With 64-bit indices: those of the factor may exceed 32 bits where the matrix's own do not. `springs`, n x 1,
+/// are added to the diagonal, where they are given.
 struct UpperTriangle {
   explicit UpperTriangle(const Eigen::SparseMatrix<double>& matrix, const Eigen::VectorXd& springs = {})
       : size(matrix.rows()), diagonal(matrix.diagonal()) {
