@@ -50,7 +50,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   FiniteElementPart part{.name = "deck", .elements = read_deck(argv[1]).model};
-  assemble_part(part, {});
+  assemble_part(part, {.at_present_values = true});
   write(std::string(argv[2]) + ".K", part.full.stiffness);
   write(std::string(argv[2]) + ".M", part.full.mass);
   std::printf("%ld degrees of freedom\n", long(part.full.size()));

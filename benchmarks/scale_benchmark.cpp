@@ -66,7 +66,7 @@ Figures in_own_process(const std::function<Figures()>& job) {
 FiniteElementPart part_of(const std::string& deck) {
   FiniteElementPart part{.name = "barrel"};
   part.times.measure("read", [&] { part.elements = read_deck(deck).model; });
-  assemble_part(part, {});
+  assemble_part(part, {.at_present_values = true});
   return part;
 }
 

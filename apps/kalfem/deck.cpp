@@ -65,7 +65,7 @@ FiniteElementPart part_of(const std::string& file, const std::vector<std::string
   to_si(deck.model, unit_system(units));
   FiniteElementPart part{.name = std::filesystem::path(file).stem().string(), .elements = std::move(deck.model)};
   part.times.add("read", reading);
-  assemble_part(part, {});
+  assemble_part(part, {.at_present_values = true});
   for (const auto& finding : {units_finding(part.elements), coincident_elements_finding(part.elements)})
     if (finding) print_error("warning: {}\n", to_string(Issue{{file, 0}, finding->what, finding->why, finding->fix}));
   return part;

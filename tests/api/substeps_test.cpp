@@ -88,32 +88,29 @@ TEST(Substeps, AreAsManyAsTheEstimatesNeed) {
   EXPECT_LT(errors_of(result).maxCoeff(), 3.0) << errors_of(result).transpose();
 }
 
-TEST(Substeps, StayAtFourWhereTheseAreEnough) {
+/// An estimate from a record of slow motions, for which four substeps are enough.
+EstimateResult of_slow_motions(std::optional<int> substeps) {
   const std::vector<SensorDescription> sensors = {{"a3", acceleration("body.2"), 2.0},
                                                   {"a5", acceleration("body.4"), 2.0}};
   const auto record =
       simulate(driven_chain(), {.sensors = sensors, .duration = 2.0, .sample_rate = 1000.0, .seed = 1}).record;
-  const EstimateOptions options{.sensors = sensors, .unknowns = {{"suspension.mu_k1", {.initial = 15, .std = 5}}}};
-  const auto chosen = estimate(driven_chain(), record, options);
+  return estimate(
+      driven_chain(), record,
+      {.sensors = sensors, .unknowns = {{"suspension.mu_k1", {.initial = 15, .std = 5}}}, .substeps = substeps});
+}
+
+TEST(Substeps, StayAtFourWhereTheseAreEnough) {
+  const auto chosen = of_slow_motions({});
   EXPECT_EQ(chosen.substeps, 4);
   ASSERT_EQ(chosen.substep_bias.size(), 1);
   EXPECT_LE(chosen.substep_bias[0], 0.2);
-  auto given = options;
-  given.substeps = 4;
-  EXPECT_EQ(estimate(driven_chain(), record, given).parameters[0].mean, chosen.parameters[0].mean);
+  EXPECT_EQ(of_slow_motions(4).parameters[0].mean, chosen.parameters[0].mean);
 }
 
-/// Two substeps are compared with four: with the bias that this states, the estimates of eight are predicted.
+/// Four are compared with two: the error falls with the square of the substep.
 TEST(Substeps, StateTheBiasThatIsLeft) {
-  const auto with = [](std::optional<int> substeps) {
-    return estimate(driven_chain(), chain_record(),
-                    {.sensors = chain_sensors(),
-                     .unknowns = {{"suspension.mu_k1", {.initial = 15, .std = 5}}},
-                     .substeps = substeps});
-  };
-  const auto chosen = with({});
-  ASSERT_EQ(chosen.substeps, 4);
-  const auto &two = with(2).parameters[0], &four = chosen.parameters[0];
+  const auto chosen = of_slow_motions({});
+  const auto two = of_slow_motions(2).parameters[0], four = chosen.parameters[0];
   EXPECT_NEAR(chosen.substep_bias[0], std::abs(four.mean - two.mean) / 3.0 / four.std, 1e-9);
 }
 

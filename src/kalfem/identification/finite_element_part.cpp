@@ -102,7 +102,7 @@ std::shared_ptr<const StiffnessFactor> checked_factor(const FiniteElementPart& p
   return nullptr;
 }
 
-/// The sum of the terms; without parameters that change them it takes their place, and they are left empty.
+/// The sum of the terms; where no parameter changes them it takes their place, and they are left empty.
 SparseMatrix sum_of(std::vector<AffineTerm>& terms, const AssembledModel& assembled, bool constant) {
   if (!constant) return evaluate(terms, assembled.parameters);
   SparseMatrix sum = std::move(terms.front().matrix);
@@ -112,10 +112,8 @@ SparseMatrix sum_of(std::vector<AffineTerm>& terms, const AssembledModel& assemb
 
 }  // namespace
 
-// Without parameters K and M exist once, in the full model.
+// At the present values K and M exist once, in the full model.
 void assemble_part(FiniteElementPart& part, AssemblyOptions options) {
-  const bool constant = options.parameters.empty();
-  options.at_present_values = constant;
   SparseMatrix stiffness, mass;
   part.times.measure("assemble", [&] {
     require_connected(part.elements);
@@ -124,8 +122,8 @@ void assemble_part(FiniteElementPart& part, AssemblyOptions options) {
       throw InvalidInput("nothing of substructure '" + part.name + "' can move",
                          "its supports hold every node that elements, springs or masses act on", "hold fewer nodes");
     if (part.preload_stiffness.size() > 0) add_preload(part.preload_stiffness, part.assembled);
-    stiffness = sum_of(part.assembled.stiffness, part.assembled, constant);
-    mass = sum_of(part.assembled.mass, part.assembled, constant);
+    stiffness = sum_of(part.assembled.stiffness, part.assembled, options.at_present_values);
+    mass = sum_of(part.assembled.mass, part.assembled, options.at_present_values);
   });
   part.times.measure("factor", [&] { part.factor = checked_factor(part, stiffness, mass); });
   part.mass = mass_properties(part.assembled);

@@ -242,7 +242,9 @@ DescribedPart make_finite_element_part(const std::string& name, const d::Substru
     check_thickness_at_gauges(part, uses.parameters);
     auto kept = all_dofs(boundary);
     std::ranges::move(all_dofs(joined), std::back_inserter(kept));
-    assemble_part(part, {.parameters = {uses.parameters.begin(), uses.parameters.end()}, .independent = kept});
+    assemble_part(part, {.parameters = {uses.parameters.begin(), uses.parameters.end()},
+                         .independent = kept,
+                         .at_present_values = uses.at_present_values});
     add_grounds(given, part.full);
     add_weighted_points(given, part.full);
     if (!given.damping.modal.empty())

@@ -23,6 +23,7 @@ struct PartUses {
   std::vector<Name> joined;                       ///< groups of nodes at which it is joined to another one
   std::vector<std::string> parameters;            ///< that will change; only these sections of beams stay separate
   const description::Statics* statics = nullptr;  ///< its static load cases, if it has some
+  bool at_present_values = false;                 ///< no parameter changes, nor is one tried
 };
 
 /// Reads the mesh, deck or matrices, assembles and damps them. Throws InvalidInput with every problem and its place.

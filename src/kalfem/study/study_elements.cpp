@@ -47,6 +47,10 @@ std::vector<std::string> changing_parameters(const d::Case& given, const std::st
   return names;
 }
 
+/// Whether a parameter may take other values, also one that the case does not name: the search for the cause of a
+/// contradiction tries them.
+bool tries_parameters(const d::Case& given) { return given.estimate || given.update || !given.modifications.empty(); }
+
 /// Warns of each note that may affect the model, and of the number of ignored entries.
 void warn_of_notes(const ElementNotes& part, std::vector<std::string>& warnings) {
   std::size_t unused = 0;
@@ -107,7 +111,8 @@ void add_finite_elements(StructureModel& structure, CaseStudy& study, const Prog
                                                               {.attached = attached_points(study.given, name),
                                                                .joined = joined_groups(study.given, name),
                                                                .parameters = changing_parameters(study.given, name),
-                                                               .statics = statics_of(study.given, name)});
+                                                               .statics = statics_of(study.given, name),
+                                                               .at_present_values = !tries_parameters(study.given)});
       study.element_notes.push_back({name, std::move(notes)});
       warn_of_notes(study.element_notes.back(), study.warnings);
       for (const auto& warning : warnings) study.warnings.push_back("substructure '" + name + "': " + warning);

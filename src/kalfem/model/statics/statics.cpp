@@ -179,9 +179,11 @@ private:
                  "the load is zero", "give its materials a density, or add masses");
   }
 
-  /// Forces at supports alone go straight into these, and imposed motions of 0 move nothing.
+  /// Forces at supports alone go straight into these, and imposed motions of 0 move nothing. A rotation may have the
+  /// speed 0, the first of several.
   void require_effect(const LoadCase& load_case, const VectorXd& nodal, const std::vector<Prescribed>& prescribed,
                       IssueList& issues) const {
+    if (load_case.rotation) return;
     VectorXd forces = forces_of(load_case, nodal);
     for (const auto& each : prescribed) forces[each.place] = 0.0;
     if (forces.isZero(0.0) && values_of(prescribed).isZero(0.0))
