@@ -32,16 +32,15 @@ void leave_signals_to_rank_0() {
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_IGN);
 }
 
-/// A worker does what rank 0 asks for.
-int serve(distributed::Ranks& ranks) {
+/// A worker does its part, or ends all ranks: rank 0 would wait for it.
+int work(distributed::Ranks& ranks, const std::function<int()>& part) {
   leave_signals_to_rank_0();
   try {
-    ranks.serve();
+    return part();
   } catch (const std::exception& error) {
     print_error("kalfem: rank {} of {} cannot go on: {}\n", ranks.rank(), ranks.size(), error.what());
     ranks.abandon(a_bug);
   }
-  return done;
 }
 
 }  // namespace
@@ -51,10 +50,13 @@ int on_ranks(int argc, char** argv, const std::function<int()>& command) {
   distributed::Ranks ranks(argc, argv);
   if (argc > 1 && std::string_view(argv[1]) == "sweep") {
     ranks.share_runs();
-    if (ranks.works_for_rank_0()) leave_signals_to_rank_0();
-    return command();
+    return ranks.works_for_rank_0() ? work(ranks, command) : command();
   }
-  if (ranks.works_for_rank_0()) return serve(ranks);
+  if (ranks.works_for_rank_0())
+    return work(ranks, [&] {
+      ranks.serve();
+      return int{done};
+    });
   const auto chosen = options();
   ranks.distribute(chosen);
   const int code = command();

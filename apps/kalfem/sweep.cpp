@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <utility>
 
 #include "console.hpp"
@@ -59,9 +61,12 @@ fs::path folder_of(const SweepArguments& arguments) {
 
 ExitCode sweep(const SweepArguments& arguments) {
   const fs::path place = folder_of(arguments);
+  std::optional<SweepFolder> own_folder;
   const auto made = sweep_of_all_ranks([&] {
-    return std::make_unique<Sweep>(
+    auto sweep = std::make_unique<Sweep>(
         SweepPlan{arguments.case_file, changes_of(arguments.changes), axes_of(arguments.grid), arguments.seeds});
+    if (!works_for_rank_0()) own_folder.emplace(place, *sweep);
+    return sweep;
   });
   if (!made) return mend_the_input;
   Sweep& sweep = *made;
@@ -69,7 +74,7 @@ ExitCode sweep(const SweepArguments& arguments) {
     make_runs_for_rank_0(sweep);
     return done;
   }
-  SweepFolder folder(place, sweep);
+  SweepFolder& folder = *own_folder;
   if (!folder.known().empty())
     print("{} of {} runs are known from {}\n", folder.known().size(), sweep.plan().size(),
           (place / "runs.jsonl").string());

@@ -129,27 +129,31 @@ private:
 std::unique_ptr<Sweep> sweep_of_all_ranks(const std::function<std::unique_ptr<Sweep>()>& make) {
   if (launched_rank().ranks == 1) return make();
   std::unique_ptr<Sweep> sweep;
-  std::optional<InvalidInput> refusal;
+  std::exception_ptr refusal;
+  std::string word;
   try {
     sweep = make();
-  } catch (const InvalidInput& error) {
-    refusal = error;
+    word = sweep->identity();
+  } catch (const std::exception& error) {
+    refusal = std::current_exception();
+    word = error.what();
   }
   if (rank_of_process() > 0) {
-    send_text(sweep ? sweep->identity() : refusal->what(), 0);
+    send_text(word, 0);
     int go_on = 0;
     MPI_Bcast(&go_on, 1, MPI_INT, 0, MPI_COMM_WORLD);
     return go_on != 0 ? std::move(sweep) : nullptr;
   }
   for (int rank = 1; rank < rank_count(); ++rank)
-    if (const auto word = receive_text(rank); sweep && !refusal && word != sweep->identity())
-      refusal = InvalidInput("rank " + std::to_string(rank) + " of " + std::to_string(rank_count()) +
-                                 " has another sweep than rank 0: " + word,
-                             "each rank reads the case and its files by itself",
-                             "make the same files and the same version of kalfem available on all computers");
+    if (const auto other = receive_text(rank); !refusal && other != word)
+      refusal = std::make_exception_ptr(
+          InvalidInput("rank " + std::to_string(rank) + " of " + std::to_string(rank_count()) +
+                           " has another sweep than rank 0: " + other,
+                       "each rank reads the case and its files by itself",
+                       "make the same files and the same version of kalfem available on all computers"));
   int go_on = refusal ? 0 : 1;
   MPI_Bcast(&go_on, 1, MPI_INT, 0, MPI_COMM_WORLD);
-  if (refusal) throw *refusal;
+  if (refusal) std::rethrow_exception(refusal);
   return sweep;
 }
 

@@ -9,7 +9,7 @@
 namespace kalfem::command {
 
 /// The sweep that every rank has made for itself. Where one of them could not, or has another one, rank 0 throws
-/// InvalidInput, and the others get nothing.
+/// what its own `make` threw, or InvalidInput, and the others get nothing.
 std::unique_ptr<Sweep> sweep_of_all_ranks(const std::function<std::unique_ptr<Sweep>()>& make);
 
 /// Whether this process makes runs for rank 0 of an MPI launcher.

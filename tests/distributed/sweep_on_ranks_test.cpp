@@ -56,6 +56,14 @@ TEST(SweepOnRanks, RefusesACaseOnce) {
   EXPECT_EQ(outcome.errors.find("absent.yaml", place + 1), std::string::npos) << outcome.errors;
 }
 
+TEST(SweepOnRanks, EndsWhereItsFolderCannotBeWritten) {
+  const ScratchFolder folder("no-folder-on-ranks");
+  std::filesystem::create_directories(folder / "out" / "sweep.csv");  // where a file shall stand
+  const auto outcome = sweep(on(2), of_the_chain(), folder / "out");
+  EXPECT_EQ(outcome.code, 1) << outcome.errors;
+  EXPECT_NE(outcome.errors.find("sweep.csv"), std::string::npos) << outcome.errors;
+}
+
 TEST(SweepOnRanks, NamesARankWithAnotherSweep) {
   const ScratchFolder folder("other-sweep");
   // The second program of the launcher, which is rank 1, is given another number of seeds.

@@ -33,7 +33,8 @@ public:
     return work();
   }
 
-  [[nodiscard]] const std::vector<std::pair<std::string, double>>& list() const { return phases_; }
+  [[nodiscard]] const std::vector<std::pair<std::string, double>>& list() const& { return phases_; }
+  void list() && = delete;  ///< of a temporary: it would end before its list is read
 
 private:
   std::vector<std::pair<std::string, double>> phases_;
