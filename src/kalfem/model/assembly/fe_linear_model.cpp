@@ -191,7 +191,12 @@ ParameterisedFiniteElements::ParameterisedFiniteElements(std::shared_ptr<const A
       full_(std::move(full)),
       damping_(std::move(damping)),
       bindings_(std::move(bindings)),
-      count_(count) {}
+      count_(count) {
+  if (assembled_->stiffness.empty() && !bindings_.empty())
+    throw InvalidInput("a parameter shall change matrices that were summed at its present value",
+                       "the terms that it is a factor of are gone",
+                       "assemble without AssemblyOptions::at_present_values");
+}
 
 std::map<std::string, double> ParameterisedFiniteElements::values_at(const Eigen::VectorXd& parameters) const {
   auto values = assembled_->parameters;
