@@ -60,7 +60,7 @@ TEST(SweepOnRanks, EndsWhereItsFolderCannotBeWritten) {
   const ScratchFolder folder("no-folder-on-ranks");
   std::filesystem::create_directories(folder / "out" / "sweep.csv");  // where a file shall stand
   const auto outcome = sweep(on(2), of_the_chain(), folder / "out");
-  EXPECT_EQ(outcome.code, 1) << outcome.errors;
+  EXPECT_EQ(outcome.code, 2) << outcome.errors;
   EXPECT_NE(outcome.errors.find("sweep.csv"), std::string::npos) << outcome.errors;
 }
 
