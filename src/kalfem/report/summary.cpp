@@ -1,6 +1,5 @@
 #include "kalfem/report/result_set.hpp"
 
-#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
