@@ -125,9 +125,9 @@ void add_finite_elements(StructureModel& structure, CaseStudy& study, const Prog
         elements.reduced = std::make_shared<const Superelement>(
             reduce(*elements.part, elements.reduction, sensor_bandwidth(study.given)));
         study.reduce_phases.add("reduce", elements.reduced->error_indicators.seconds);
-        study.reduce_phases.add("compare with the full model", elements.reduced->error_indicators.compare_seconds);
+        study.reduce_phases.add("compare", elements.reduced->error_indicators.compare_seconds);
         if (study.given.simulate && study.given.simulate->superelements)
-          elements.reference = study.reduce_phases.measure("reduce for the reference", [&] {
+          elements.reference = study.reduce_phases.measure("reference", [&] {
             return std::make_shared<const Superelement>(
                 reduce_up_to(*elements.part, study.given.simulate->modes_up_to));
           });
