@@ -27,7 +27,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 /// Seconds of a simulation of so many steps, sensors observed at each as a reference does.
-double simulated(const Study& study, const OutputMap& sensors, double step, Index steps) {
+double simulated(const Study& study, const OutputMap& sensors, double step, Index steps, FactorPrecision precision) {
   const auto& system = study.model->system();
   SimulationOptions options;
   options.integrator = Integrator::newmark;
@@ -35,12 +35,19 @@ double simulated(const Study& study, const OutputMap& sensors, double step, Inde
   options.duration = step * static_cast<double>(steps);
   options.keep_motion = false;
   options.every_step = sensors;
+  options.precision = precision;
   return seconds(
       [&] { simulate(system, study.structure->signals, at_rest(system.size(), system.connector_states()), options); });
 }
 
-void time_steps(const Study& study) {
+/// Seconds of one step, without what comes before the first.
+double time_of_step(const Study& study, const OutputMap& sensors, double step, FactorPrecision precision) {
   constexpr Index few = 50, many = 250;
+  return (simulated(study, sensors, step, many, precision) - simulated(study, sensors, step, few, precision)) /
+         double(many - few);
+}
+
+void time_steps(const Study& study) {
   const double step = 1.25e-4;
   std::vector<OutputDescription> outputs;
   for (const auto& sensor : study.sensors) outputs.push_back(sensor.output);
@@ -50,21 +57,23 @@ void time_steps(const Study& study) {
   const SparseFactor factor(
       SparseMatrix(system.mass + 0.5 * step * system.damping + 0.25 * step * step * system.stiffness));
   VectorXd load = VectorXd::Random(factor.size()), solution = load;
-  std::vector<double> solves, steps;
+  std::vector<double> solves, twofold, single;
   for (int block = 0; block < 7; ++block) {
     solves.push_back(seconds([&] {
                        for (int i = 0; i < 100; ++i) factor.solve(load, solution);
                      }) /
                      100.0);
-    steps.push_back((simulated(study, sensors, step, many) - simulated(study, sensors, step, few)) /
-                    double(many - few));
+    twofold.push_back(time_of_step(study, sensors, step, FactorPrecision::twofold));
+    single.push_back(time_of_step(study, sensors, step, FactorPrecision::single));
   }
   line("degrees of freedom", double(study.model->system().size()), "");
   line("damped modes carried apart", split ? double(split->shapes.cols()) : 0.0, "");
   line("factor of the effective matrix", factor.bytes() / 1e6, "MB");
   line("one back-solve", 1e3 * median(solves), "ms");
-  line("one full-order step", 1e3 * median(steps), "ms");
-  line("step / back-solve", median(steps) / median(solves), "");
+  line("one full-order step in double precision", 1e3 * median(twofold), "ms");
+  line("  with the factor in single precision", 1e3 * median(single), "ms");
+  line("step / back-solve", median(twofold) / median(solves), "");
+  line("  with the factor in single precision", median(single) / median(solves), "");
 }
 
 /// The frame as the study assembles it, at full order.

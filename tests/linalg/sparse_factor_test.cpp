@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/linalg/single_precision_factor.hpp"
 
 namespace kalfem {
 namespace {
@@ -88,6 +89,25 @@ TEST(SparseFactor, SolvesIntoBlocksAndInPlace) {
   MatrixXd in_place = right_side;
   factor.solve(in_place, in_place);
   EXPECT_LT((in_place - expected).norm(), rounding * expected.norm());
+}
+
+TEST(SparseFactor, SolvesInSinglePrecision) {
+  const auto matrix = random_definite(300);
+  auto single = SparseFactor(matrix).in_single_precision();
+  ASSERT_TRUE(single);
+  VectorXd right_side = VectorXd::Random(300), solution;
+  for (const double unit : {1.0, 1e-60, 1e60}) {  // beyond what single precision can hold
+    single->solve(unit * right_side, solution);
+    // backward-stable: rounding of single precision; found 2e-7
+    EXPECT_LT((matrix * solution - unit * right_side).norm() / (unit * right_side).norm(), 3e-6);
+    EXPECT_GT((matrix * solution - unit * right_side).norm() / (unit * right_side).norm(), 1e-10);
+  }
+  single->solve(VectorXd::Zero(300), solution);
+  EXPECT_EQ(solution, VectorXd::Zero(300));
+}
+
+TEST(SparseFactor, HasNoSinglePrecisionWhereItIsNotSupernodal) {
+  EXPECT_FALSE(SparseFactor(grid(12, 0.1)).in_single_precision());
 }
 
 TEST(SparseFactor, ReadsTheUpperTriangleOnly) {

@@ -206,7 +206,7 @@ struct SteppedSystem {
       : scheme(alpha_parameters(options)), split(scheme ? split_damped_modes(system) : std::nullopt) {
     if (split) correct_periods(split->system, system.size(), options.step, *scheme);
     const auto& stepped = split ? split->system : system;
-    stepper = scheme ? make_alpha_stepper(stepped, options.step, *scheme, options.forces)
+    stepper = scheme ? make_alpha_stepper(stepped, options.step, *scheme, options.forces, options.precision)
                      : make_exact_stepper(stepped, options.step, options.forces);
   }
 
@@ -230,7 +230,9 @@ public:
         stepped_(system, options),
         inputs_(signals, options.step, steps_),
         motion_(stepped_.motion_of(initial, system.connector_count())),
-        recorder_(system, options, stepped_.split ? &*stepped_.split : nullptr, steps_, result_) {}
+        recorder_(system, options, stepped_.split ? &*stepped_.split : nullptr, steps_, result_) {
+    result_.solve_error = stepped_.stepper->solve_error();
+  }
 
   SimulationResult run() {
     for (Index k = 0; k <= steps_; ++k) {

@@ -29,6 +29,14 @@ AlphaParameters hht_parameters(double alpha);
 /// Generalised-alpha with the spectral radius at infinity in [0, 1].
 AlphaParameters generalized_alpha_parameters(double spectral_radius);
 
+/// Precision of the factor of the effective mass matrix in the schemes of the generalised-alpha family. Single
+/// precision halves the memory that a step reads; residuals stay in double precision.
+enum class FactorPrecision {
+  automatic,  ///< single where the factor is large and the error of its solutions, which is measured, is below 1e-3
+  single,     ///< whatever the size of the factor
+  twofold     ///< double
+};
+
 struct SimulationOptions {
   Integrator integrator = Integrator::exact;
   double step = 1e-3;            ///< [s]
@@ -40,6 +48,7 @@ struct SimulationOptions {
   OutputMap every_step = {};     ///< outputs kept at every step, for measurement chains that act at the fine step
   OutputMap every_sample = {};   ///< outputs kept at every sample
   ForceSolveOptions forces = {};
+  FactorPrecision precision = FactorPrecision::automatic;
   Progress progress = {};
   /// Called with the time and the displacement of every degree of freedom at every `snapshot_every`th sample.
   std::function<void(double time, const Eigen::VectorXd& displacement)> snapshot = {};

@@ -22,10 +22,13 @@ public:
   virtual ForceSolveOutcome start(Motion& motion, const Eigen::VectorXd& inputs) = 0;
   /// From the inputs [r; r'; r''] at the begin to those at the end of the step.
   virtual ForceSolveOutcome advance(Motion& motion, const Eigen::VectorXd& begin, const Eigen::VectorXd& end) = 0;
+  /// See SimulationResult.
+  [[nodiscard]] virtual double solve_error() const { return 0.0; }
 };
 
 std::unique_ptr<Stepper> make_alpha_stepper(const LocallyNonlinearSystem& system, double step,
-                                            const AlphaParameters& parameters, const ForceSolveOptions& forces);
+                                            const AlphaParameters& parameters, const ForceSolveOptions& forces,
+                                            FactorPrecision precision = FactorPrecision::automatic);
 std::unique_ptr<Stepper> make_exact_stepper(const LocallyNonlinearSystem& system, double step,
                                             const ForceSolveOptions& forces);
 

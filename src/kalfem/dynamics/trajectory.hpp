@@ -41,6 +41,8 @@ struct SimulationResult {
   Eigen::MatrixXd every_step;    ///< the outputs asked for at every step before a failure, outputs x (steps + 1)
   Eigen::MatrixXd every_sample;  ///< the outputs asked for at every stored sample, outputs x samples
   std::optional<SimulationFailure> failure;  ///< empty: it ran to the end
+  double solve_error = 0.0;  ///< of a factor in single precision: the part of what a step adds to the acceleration that
+                             ///< its solution errs by, in the norm of the effective mass; 0: double precision
 };
 
 }  // namespace kalfem

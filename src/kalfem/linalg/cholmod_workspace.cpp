@@ -165,4 +165,18 @@ double CholmodWorkspace::bytes() const {
   return 8.0 * (nonzeros() + static_cast<double>(indices + 2 * factor_->n));
 }
 
+std::optional<SinglePrecisionFactor> CholmodWorkspace::in_single_precision() const {
+  if (!factor_->is_super) return {};
+  const auto numbers = [](const void* data, std::size_t count) {
+    const auto* begin = static_cast<const SuiteSparse_long*>(data);
+    return std::vector<std::int64_t>(begin, begin + count);
+  };
+  return SinglePrecisionFactor({.columns = numbers(factor_->super, factor_->nsuper + 1),
+                                .row_starts = numbers(factor_->pi, factor_->nsuper + 1),
+                                .value_starts = numbers(factor_->px, factor_->nsuper + 1),
+                                .rows = numbers(factor_->s, factor_->ssize),
+                                .order = numbers(factor_->Perm, factor_->n)},
+                               {static_cast<const double*>(factor_->x), factor_->xsize});
+}
+
 }  // namespace kalfem

@@ -22,6 +22,7 @@ public:
   [[nodiscard]] double nonzeros() const override;  ///< with the zeros that supernodes store
   [[nodiscard]] double bytes() const override;
   [[nodiscard]] double smallest_pivot() const override { return smallest_pivot_; }
+  [[nodiscard]] std::optional<SinglePrecisionFactor> in_single_precision() const override;
 
 private:
   /// What solve2 keeps between calls; it allocates anew when the number of right-hand sides changes.

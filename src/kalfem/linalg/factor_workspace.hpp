@@ -3,7 +3,9 @@
 #include <Eigen/Dense>
 #include <functional>
 #include <memory>
+#include <optional>
 
+#include "kalfem/linalg/single_precision_factor.hpp"
 #include "kalfem/linalg/sparse_factor.hpp"
 #include "kalfem/linalg/upper_triangle.hpp"
 
@@ -27,6 +29,8 @@ public:
   [[nodiscard]] virtual double nonzeros() const = 0;        ///< entries of the factor
   [[nodiscard]] virtual double bytes() const = 0;           ///< memory of the factor [byte]
   [[nodiscard]] virtual double smallest_pivot() const = 0;  ///< relative to its diagonal entry
+  /// Nothing where L is not kept by supernodes, or not here.
+  [[nodiscard]] virtual std::optional<SinglePrecisionFactor> in_single_precision() const { return {}; }
 };
 
 /// Makes the workspace for a pattern; `order` may be empty. It may answer nothing: CHOLMOD then factors.

@@ -69,6 +69,9 @@ EliminationOrder SparseFactor::order() const { return workspace_->factor->order(
 double SparseFactor::nonzeros() const { return workspace_->factor->nonzeros(); }
 double SparseFactor::bytes() const { return workspace_->factor->bytes(); }
 double SparseFactor::smallest_pivot() const { return workspace_->factor->smallest_pivot(); }
+std::optional<SinglePrecisionFactor> SparseFactor::in_single_precision() const {
+  return workspace_->factor->in_single_precision();
+}
 
 using Eigen::VectorXd;
 using Matrix = Eigen::SparseMatrix<double>;

@@ -4,10 +4,13 @@
 #include <Eigen/Sparse>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
 namespace kalfem {
+
+class SinglePrecisionFactor;
 
 /// The matrix to be factored is not positive definite to rounding; `column` is where it shows first, in the numbering
 /// of the matrix that was given.
@@ -55,6 +58,8 @@ public:
   /// min_j L_jj^2 / A_jj, how near to singular A is whatever its units; of the order of the flexibility of the last
   /// degree of freedom alone against that of the whole structure there.
   [[nodiscard]] double smallest_pivot() const;
+  /// A copy of L in single precision; nothing where L is so sparse that it is not supernodal, or distributed.
+  [[nodiscard]] std::optional<SinglePrecisionFactor> in_single_precision() const;
 
 private:
   struct Workspace;

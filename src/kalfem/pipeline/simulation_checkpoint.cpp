@@ -62,6 +62,7 @@ void transfer(auto& archive, Some<ConvergedSolution> auto& solution) {
   transfer(archive, solution.simulation.trajectory);
   archive(solution.simulation.every_step);
   archive(solution.simulation.every_sample);
+  archive(solution.simulation.solve_error);
   archive(solution.sensors);
   archive(solution.substeps);
   archive(solution.extrapolations);

@@ -193,7 +193,8 @@ Json summarise(const Study& study, const StudyResults& results) {
     summary["simulation"] = {{"steps_per_sample", results.simulation->reference.substeps},
                              {"extrapolations", results.simulation->reference.extrapolations},
                              {"fixed_step", study.simulation->has_fixed_step()},
-                             {"last_change", last_change(study, results.simulation->reference)}};
+                             {"last_change", last_change(study, results.simulation->reference)},
+                             {"solve_error", results.simulation->reference.simulation.solve_error}};
   if (study.record) summary["record"] = record_summary(study, results);
   if (results.estimation) {
     summary["parameters"] = parameters_summary(study, *results.estimation);

@@ -335,14 +335,16 @@ std::string console_report(const Study& study, const StudyResults& results) {
     text += console_modes(study, results);
   if (results.simulation) {
     const auto& reference = results.simulation->reference;
+    const double solve_error = reference.simulation.solve_error;
     const bool of_superelements = std::ranges::any_of(study.structure->finite_elements,
                                                       [](const auto& each) { return each.reference != nullptr; });
     text += fmt::format(
-        "Simulation: {} degrees of freedom{}, {} s at {} Hz, {} steps per sample{} ({}), {:.1f} s\n\n",
+        "Simulation: {} degrees of freedom{}, {} s at {} Hz, {} steps per sample{} ({}{}), {:.1f} s\n\n",
         study.model->system().size(), of_superelements ? " (superelements)" : "",
         four_digits(study.simulation->duration), four_digits(study.sample_rate()), reference.substeps,
         reference.extrapolations > 0 ? " and extrapolated" : "",
         study.simulation->has_fixed_step() ? "a fixed step" : "last change " + per_cent(reference.last_change),
+        solve_error > 0.0 ? fmt::format(", steps solved in single precision to {:.0e}", solve_error) : "",
         results.simulation->seconds);
   }
   if (const auto words = record_words(study, results); !words.empty()) text += words + "\n";
