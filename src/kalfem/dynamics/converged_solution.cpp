@@ -121,23 +121,49 @@ public:
     return 1.0 / (convergence_.sample_rate * static_cast<double>(substeps));
   }
 
-  /// Those with `first` and 2 `first` steps a sample side by side: whether a finer one is needed they tell together.
-  void make_two(Index first) {
-    SimulationResult made[2];
-    for_each_index(2, 2, [&](std::size_t i) {
-      const Index substeps = i == 0 ? 2 * first : first;
-      made[i] = simulated(substeps, i == 0 ? progress_of(substeps) : Progress{});
-    });
-    ahead_[2 * first] = std::move(made[0]);
-    ahead_[first] = std::move(made[1]);
+  /// The coarsest solutions side by side in two threads: those with `first` and 2 `first` steps a sample, which tell
+  /// together whether a finer one is needed; the finer one too where they disagree over the begin of the record
+  /// already.
+  void make_ahead(Index first, const std::vector<MeasurementChain>& chains) {
+    std::vector<Index> finest_first{2 * first, first};
+    if (4 * first <= convergence_.max_substeps && disagree_soon(first, chains))
+      finest_first.insert(finest_first.begin(), 4 * first);
+    for (auto& [substeps, made] : side_by_side(finest_first, options_.duration, progress_of(finest_first[0])))
+      ahead_[substeps] = std::move(made);
   }
 
   SimulationResult take(Index substeps) {
     const auto made = ahead_.extract(substeps);
-    return made ? std::move(made.mapped()) : simulated(substeps, progress_of(substeps));
+    return made ? std::move(made.mapped()) : simulated(substeps, progress_of(substeps), options_.duration);
   }
 
 private:
+  using Solutions = std::map<Index, SimulationResult>;
+
+  [[nodiscard]] Solutions side_by_side(const std::vector<Index>& substeps, double duration,
+                                       const Progress& of_the_first) const {
+    std::vector<SimulationResult> made(substeps.size());
+    for_each_index(substeps.size(), 2, [&](std::size_t i) {
+      made[i] = simulated(substeps[i], i == 0 ? of_the_first : Progress{}, duration);
+    });
+    Solutions solutions;
+    for (std::size_t i = 0; i < substeps.size(); ++i) solutions[substeps[i]] = std::move(made[i]);
+    return solutions;
+  }
+
+  [[nodiscard]] bool disagree_soon(Index first, const std::vector<MeasurementChain>& chains) const {
+    constexpr double begin = 0.05, least_samples = 20.0;
+    const double samples = std::round(begin * options_.duration * convergence_.sample_rate);
+    if (samples < least_samples) return false;
+    const Solutions made = side_by_side({2 * first, first}, samples / convergence_.sample_rate, {});
+    if (std::ranges::any_of(made, [](const auto& solution) { return solution.second.failure.has_value(); }))
+      return false;
+    const auto recorded = [&](Index substeps) {
+      return record(made.at(substeps).every_step, chains, 1.0 / step(substeps), substeps);
+    };
+    return largest_change(recorded(2 * first), recorded(first)) > convergence_.tolerance;
+  }
+
   /// Of all solutions while the one with so many substeps is made, which takes as long as all coarser ones together.
   /// How many will be needed is not known: most often `expected`; each further one takes half of what is left.
   [[nodiscard]] Progress progress_of(Index substeps) const {
@@ -162,8 +188,9 @@ private:
     };
   }
 
-  [[nodiscard]] SimulationResult simulated(Index substeps, const Progress& progress) const {
+  [[nodiscard]] SimulationResult simulated(Index substeps, const Progress& progress, double duration) const {
     SimulationOptions options = options_;
+    options.duration = duration;
     options.step = step(substeps);
     options.keep_every = substeps;
     options.progress = progress;
@@ -175,7 +202,7 @@ private:
   const InitialState& initial_;
   SimulationOptions options_;
   const ConvergenceOptions& convergence_;
-  std::map<Index, SimulationResult> ahead_;
+  Solutions ahead_;
 };
 
 }  // namespace
@@ -198,7 +225,7 @@ ConvergedSolution simulate_converged(const LocallyNonlinearSystem& system, const
   const bool ahead = options.refine && options.threads > 1 && !simulation.snapshot && sensors.size() > 0 &&
                      2 * options.first_substeps <= options.max_substeps;
   Simulations simulations(system, signals, initial, std::move(simulation), options);
-  if (ahead) simulations.make_two(options.first_substeps);
+  if (ahead) simulations.make_ahead(options.first_substeps, chains);
   for (Index substeps = options.first_substeps; substeps <= options.max_substeps; substeps *= 2) {
     reference = {.simulation = simulations.take(substeps), .substeps = substeps, .last_change = 1.0};
     if (reference.simulation.failure) {

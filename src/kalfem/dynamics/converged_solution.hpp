@@ -19,8 +19,8 @@ struct ConvergenceOptions {
   /// Whether the step is halved at all. Without, the solution with `first_substeps` is the reference, whatever its
   /// error.
   bool refine = true;
-  /// With two, the first two solutions are made side by side (not where snapshots are taken). Results do not depend on
-  /// it.
+  /// With two, the first two solutions are made side by side, or three (not where snapshots are taken). Results do not
+  /// depend on it.
   int threads = 1;
 };
 
