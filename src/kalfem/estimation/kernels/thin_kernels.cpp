@@ -60,14 +60,6 @@ void add(Index j, const MatrixXd& x, Index depth, const Factor& m, MatrixXd& y) 
     if (j < y.cols()) add<sign, width / 2>(j, x, depth, m, y);
 }
 
-/// Sums of the lanes of eight vectors.
-Lanes sums_of(const Lanes (&in)[8]) {
-  Lanes columns[8];
-  transpose(in, columns);
-  return ((columns[0] + columns[1]) + (columns[2] + columns[3])) +
-         ((columns[4] + columns[5]) + (columns[6] + columns[7]));
-}
-
 }  // namespace
 
 void thin_product(const MatrixXd& x, const MatrixXd& m, MatrixXd& y) {
@@ -83,22 +75,19 @@ void subtract_thin_product_transposed(const MatrixXd& x, const MatrixXd& m, Matr
   add<-1>(0, x, m.cols(), {m.data(), m.rows(), 1}, y);
 }
 
-void thin_inner(const MatrixXd& x, const MatrixXd& y, MatrixXd& m) {
-  const Index rows = x.rows();
-  for (Index i = 0; i < x.cols(); i += 8) {
-    const Index count = std::min<Index>(8, x.cols() - i);
-    const double* left[8];  // the last column stands for those that are missing
-    for (Index c = 0; c < 8; ++c) left[c] = x.data() + (i + std::min(c, count - 1)) * rows;
-    for (Index j = 0; j < y.cols(); ++j) {
-      const double* right = y.data() + j * rows;
+/// Eight sums at once, each over every eighth row of Y: one alone would wait for its own additions.
+void thin_inner(const MatrixXd& x_transposed, const MatrixXd& y, MatrixXd& m) {
+  const Index rows = y.rows(), stride = x_transposed.rows();
+  for (Index j = 0; j < y.cols(); ++j) {
+    const double* right = y.data() + j * rows;
+    for (Index i = 0; i < stride; i += lane_count) {
       Lanes sums[8] = {};
       for (Index row = 0; row < rows; row += lane_count) {
-        const Lanes value = load(right + row);
+        const double* left = x_transposed.data() + row * stride + i;
 #pragma GCC unroll 8
-        for (int c = 0; c < 8; ++c) sums[c] += value * load(left[c] + row);
+        for (int r = 0; r < lane_count; ++r) sums[r] += load(left + r * stride) * right[row + r];
       }
-      const Lanes result = sums_of(sums);
-      for (Index c = 0; c < count; ++c) m(i + c, j) = result[c];
+      store(&m(i, j), ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7])));
     }
   }
 }

@@ -13,7 +13,8 @@ void thin_product(const Eigen::MatrixXd& x, const Eigen::MatrixXd& m, Eigen::Mat
 void add_thin_product(const Eigen::MatrixXd& x, const Eigen::MatrixXd& m, Eigen::MatrixXd& y);
 /// Y -= X M^T.
 void subtract_thin_product_transposed(const Eigen::MatrixXd& x, const Eigen::MatrixXd& m, Eigen::MatrixXd& y);
-/// First rows of M = X^T Y, as many as X has columns.
-void thin_inner(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, Eigen::MatrixXd& m);
+/// First rows of M = X^T Y, as many as X^T has. X^T is given as it stands: with as many columns as Y has rows, and its
+/// rows filled up by zeros to a multiple of eight, as those of M are.
+void thin_inner(const Eigen::MatrixXd& x_transposed, const Eigen::MatrixXd& y, Eigen::MatrixXd& m);
 
 }  // namespace kalfem

@@ -1,11 +1,16 @@
 #pragma once
 
+#include <cstddef>
+
 namespace kalfem {
 
 /// Eight consecutive doubles. The compiler maps them to the registers that the processor has.
 typedef double Lanes __attribute__((vector_size(64)));
 
 constexpr int lane_count = 8;
+
+/// The least multiple of eight that is not below n.
+constexpr std::ptrdiff_t whole_lanes(std::ptrdiff_t n) { return (n + lane_count - 1) / lane_count * lane_count; }
 
 [[gnu::always_inline]] inline Lanes load(const double* from) { return *reinterpret_cast<const Lanes*>(from); }
 [[gnu::always_inline]] inline void store(double* to, const Lanes& lanes) { *reinterpret_cast<Lanes*>(to) = lanes; }

@@ -1,6 +1,9 @@
 #include "kalfem/estimation/partially_linear/argument_factor.hpp"
 
+#include <algorithm>
 #include <cmath>
+
+#include "kalfem/estimation/kernels/vector_lanes.hpp"
 
 namespace kalfem {
 
@@ -12,6 +15,26 @@ namespace {
 constexpr double pivot_floor = 1e-12;  ///< of an argument's variance; its root is far above rounding
 /// Of the largest square that a covariance can have beside its two variances: beyond it they are rounding.
 constexpr double impossible = 1.01;
+
+/// Column `found` of the factor, of argument j with the pivot root^2, from those before; the factor's rows are padded.
+void set_column(const MatrixXd& covariance, Index j, Index found, double root, MatrixXd& factor) {
+  const Index q = covariance.rows(), first = j - j % lane_count;
+  double* column = &factor(0, found);
+  std::copy_n(&covariance(j, j), q - j, column + j);
+  for (Index block = first; block < factor.rows(); block += lane_count) {
+    Lanes sum = load(column + block);
+    for (Index k = 0; k < found; ++k) {
+      const Lanes product = load(&factor(block, k)) * factor(j, k);
+      sum = sum - product;
+    }
+    store(column + block, sum / root);
+  }
+  std::fill(column + first, column + j, 0.0);
+  column[j] = root;
+  bool possible = true;
+  for (Index i = j + 1; i < q; ++i) possible &= !(column[i] * column[i] > impossible * covariance(i, i));
+  if (!possible) std::fill(column + j + 1, column + q, 0.0);
+}
 
 }  // namespace
 
@@ -45,7 +68,7 @@ bool argument_factor(const MatrixXd& covariance, MatrixXd& factor) {
 bool independent_argument_factor(const MatrixXd& covariance, Dependent dependent, MatrixXd& factor,
                                  std::vector<Index>& independent) {
   const Index q = covariance.rows();
-  factor.setZero(q, q);
+  factor.setZero(whole_lanes(q), q);
   independent.clear();
   for (Index j = 0; j < q; ++j) {
     const double variance = covariance(j, j);
@@ -59,31 +82,27 @@ bool independent_argument_factor(const MatrixXd& covariance, Dependent dependent
       independent.push_back(j);
       continue;
     }
-    auto column = factor.col(found).tail(q - j);
-    column = covariance.col(j).tail(q - j);
-    for (Index k = 0; k < found; ++k) column -= factor(j, k) * factor.col(k).tail(q - j);
-    column /= std::sqrt(pivot);
-    column[0] = std::sqrt(pivot);
-    const auto variances = covariance.diagonal().tail(q - j).array();
-    if ((column.array().square().tail(q - j - 1) > impossible * variances.tail(q - j - 1)).any())
-      column.tail(q - j - 1).setZero();
+    set_column(covariance, j, found, std::sqrt(pivot), factor);
     independent.push_back(j);
   }
-  return factor.allFinite();
+  return (0.0 * factor).sum() == 0.0;  // finite
 }
 
 void solve_independent_transposed(const MatrixXd& factor, const std::vector<Index>& independent, const MatrixXd& b,
-                                  MatrixXd& f) {
+                                  MatrixXd& f_transposed) {
   const auto count = static_cast<Index>(independent.size());
-  f.setZero(factor.rows(), b.cols());
+  const auto place = [&](Index i) { return independent[static_cast<std::size_t>(i)]; };
+  f_transposed.setZero(whole_lanes(b.cols()), factor.cols());
   for (Index i = count - 1; i >= 0; --i) {
-    const Index row = independent[static_cast<std::size_t>(i)];
-    f.row(row) = b.row(i);
-    for (Index k = i + 1; k < count; ++k) {
-      const Index later = independent[static_cast<std::size_t>(k)];
-      f.row(row) -= factor(later, i) * f.row(later);
+    f_transposed.col(place(i)).head(b.cols()) = b.row(i).transpose();
+    for (Index block = 0; block < f_transposed.rows(); block += lane_count) {
+      Lanes sum = load(&f_transposed(block, place(i)));
+      for (Index k = i + 1; k < count; ++k) {
+        const Lanes product = load(&f_transposed(block, place(k))) * factor(place(k), i);
+        sum = sum - product;
+      }
+      store(&f_transposed(block, place(i)), sum / factor(place(i), i));
     }
-    f.row(row) /= factor(row, i);
   }
 }
 

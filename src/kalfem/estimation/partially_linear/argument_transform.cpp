@@ -49,7 +49,7 @@ bool ArgumentTransform::apply(PartiallyLinearMap& map, const VectorXd& centre,
 /// w at the centre and on both sides of it along each direction, one point a row.
 void ArgumentTransform::place_points(const VectorXd& centre, const Eigen::Ref<const MatrixXd>& directions,
                                      double spread) {
-  const Index k = directions.cols(), q = directions.rows();
+  const Index k = directions.cols(), q = directions.rows(), stride = directions.outerStride();
   in_.resize(2 * k + 1, q);
   for (Index j = 0; j < q; ++j) {
     const double middle = in_(0, j) = centre[j];
@@ -57,8 +57,8 @@ void ArgumentTransform::place_points(const VectorXd& centre, const Eigen::Ref<co
     double *plus = &in_(0, j) + 1, *minus = plus + k;
     KALFEM_INDEPENDENT
     for (Index i = 0; i < k; ++i) {
-      plus[i] = middle + spread * deviation[i * q];
-      minus[i] = middle - spread * deviation[i * q];
+      plus[i] = middle + spread * deviation[i * stride];
+      minus[i] = middle - spread * deviation[i * stride];
     }
   }
 }

@@ -17,7 +17,10 @@ ProjectedCovariance::ProjectedCovariance(ProjectedRows rows, TileLayout layout, 
       layout_(std::move(layout)),
       stored_(threads),
       products_(layout_.slots(), rows_.size() + 1),
-      gram_(MatrixXd::Zero((rows_.size() + tile_size - 1) / tile_size * tile_size, rows_.size() + 1)) {}
+      dense_(MatrixXd::Zero(whole_lanes(rows_.dense().cols()), layout_.slots())),
+      gram_(MatrixXd::Zero(whole_lanes(rows_.size()), rows_.size() + 1)) {
+  dense_.topRows(rows_.dense().cols()) = rows_.dense().transpose();
+}
 
 void ProjectedCovariance::reset(const Gaussian& estimate) {
   stored_.reset(estimate.covariance, layout_);
@@ -54,7 +57,7 @@ void ProjectedCovariance::complete_products() {
   const auto& picked = rows_.picked();
   for (std::size_t i = 0; i < picked.size(); ++i)
     stored_.column(picked[i], &products_(0, dense + static_cast<Index>(i)));
-  thin_inner(rows_.dense(), products_, gram_);
+  thin_inner(dense_, products_, gram_);
   for (std::size_t i = 0; i < picked.size(); ++i) gram_.row(dense + static_cast<Index>(i)) = products_.row(picked[i]);
 }
 

@@ -47,7 +47,7 @@ private:
   CovarianceTiles stored_;  ///< P, or P + J J^T while a downdate waits
   bool downdate_waits_ = false;
   Eigen::MatrixXd downdate_;  ///< J, slots x l
-  Eigen::MatrixXd products_, gram_;
+  Eigen::MatrixXd products_, dense_, gram_;            ///< `dense_`: the rows of H that pick no state
   Eigen::MatrixXd rows_of_downdate_, rows_and_score_;  ///< H J, [H J; -v^T]
 };
 

@@ -65,17 +65,20 @@ bool ProjectedMap::evaluate_arguments() {
   covariance_usable_ = independent_argument_factor(covariance_, dependent, factor_, independent_);
   // Directions that have vanished since stay as points at the centre: their number changes nothing but array sizes.
   directions_ = std::max(directions_, static_cast<Index>(independent_.size()));
-  if (!covariance_usable_ || !transform_.apply(map_, centre_, factor_.leftCols(directions_), q)) return false;
+  if (!covariance_usable_ || !transform_.apply(map_, centre_, factor_.topLeftCorner(q, directions_), q)) return false;
 
   nonlinear_mean_ = transform_.mean();
   const MatrixXd& delta = transform_.delta();
-  solve_independent_transposed(factor_, independent_, delta, argument_slopes_);
+  solve_independent_transposed(factor_, independent_, delta, argument_slopes_transposed_);
   slopes_.setZero();
   half_covariance_ = 0.5 * transform_.scatter();
   for (Index j = 0; j < p; ++j) {
-    for (Index k = 0; k < q; ++k) slopes_(place(k), j) += argument_slopes_(k, j);
-    for (Index i = 0; i < p; ++i)
-      for (Index k = 0; k < delta.rows(); ++k) half_covariance_(i, j) += 0.5 * delta(k, i) * delta(k, j);
+    for (Index k = 0; k < q; ++k) slopes_(place(k), j) += argument_slopes_transposed_(j, k);
+    for (Index i = 0; i < p; ++i) {
+      double sum = half_covariance_(i, j);
+      for (Index k = 0; k < delta.rows(); ++k) sum += 0.5 * delta(k, i) * delta(k, j);
+      half_covariance_(i, j) = sum;
+    }
   }
   return true;
 }
@@ -92,6 +95,7 @@ bool ProjectedMap::spread_about(const MatrixXd& gram, const MatrixXd& downdate, 
       centre_[j] += downdate(place(j), c) * whitened[c];
     }
   if (!evaluate_arguments()) return false;
+  argument_slopes_ = argument_slopes_transposed_.topRows(p).transpose();
   prior_products_.noalias() = prior_covariance_.selfadjointView<Eigen::Lower>() * argument_slopes_;
   half_covariance_ = 0.5 * transform_.scatter();
   half_covariance_.noalias() += 0.5 * argument_slopes_.transpose().lazyProduct(prior_products_);

@@ -60,8 +60,8 @@ private:
 
   ArgumentTransform transform_;
   Eigen::VectorXd centre_, nonlinear_mean_;
-  Eigen::MatrixXd covariance_, factor_, argument_slopes_;  ///< P_ww, L, F of the arguments
-  Eigen::MatrixXd prior_covariance_, prior_products_;      ///< P_ww, P_ww F of an iterated update's prior
+  Eigen::MatrixXd covariance_, factor_, argument_slopes_transposed_;     ///< P_ww, L, F^T of the arguments
+  Eigen::MatrixXd prior_covariance_, argument_slopes_, prior_products_;  ///< P_ww, F, P_ww F of an iterated update
   Eigen::VectorXd prior_centre_, deviation_;
   ArgumentMoves moves_;
   std::vector<Eigen::Index> independent_;  ///< arguments of the columns of L

@@ -20,9 +20,10 @@ bool ArgumentMoments::evaluate(PartiallyLinearMap& map, const VectorXd& centre, 
   covariance_.diagonal() = covariance.diagonal().cwiseMax(0.0);
   if (!independent_argument_factor(covariance_, Dependent::raised, factor_, independent_)) return false;
   const auto directions = static_cast<Index>(independent_.size());
-  if (!transform_.apply(map, centre, factor_.leftCols(directions), q)) return false;
+  if (!transform_.apply(map, centre, factor_.topLeftCorner(q, directions), q)) return false;
   mean_ = transform_.mean();
-  solve_independent_transposed(factor_, independent_, transform_.delta(), slopes_);
+  solve_independent_transposed(factor_, independent_, transform_.delta(), slopes_transposed_);
+  slopes_ = slopes_transposed_.topRows(p).transpose();
   phi_variance_ = transform_.scatter() + transform_.delta().transpose() * transform_.delta();
   return slopes_.allFinite();
 }

@@ -22,7 +22,7 @@ public:
 private:
   ArgumentTransform transform_;
   Eigen::VectorXd mean_;
-  Eigen::MatrixXd slopes_, phi_variance_, factor_, covariance_;
+  Eigen::MatrixXd slopes_, slopes_transposed_, phi_variance_, factor_, covariance_;
   std::vector<Eigen::Index> independent_;
 };
 
