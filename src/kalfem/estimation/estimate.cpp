@@ -159,8 +159,8 @@ private:
   void allocate() {
     const Index samples = input_.measured.samples(), l = input_.measured.values.rows();
     const auto series = [&](Index rows) {
-      const MatrixXd empty = MatrixXd::Constant(rows, samples, not_a_number);
-      return EstimatedSeries{empty, empty};
+      return EstimatedSeries{MatrixXd::Constant(rows, samples, not_a_number),
+                             MatrixXd::Constant(rows, samples, not_a_number)};
     };
     result_.state = series(augmented_model_.layout().size());
     result_.unknowns = series(augmented_model_.layout().unknowns);
@@ -234,7 +234,8 @@ private:
   }
 
   /// What a filter that knows the constants would see, from the gain K of the update just made: P_theta,y = K S.
-  void store_slope(Index k) {
+  /// `covariance`: of the constants after it.
+  void store_slope(Index k, const MatrixXd& covariance) {
     auto& history = result_.unknowns_history;
     const auto& channels = innovation_.channels;
     MatrixXd& slope =
@@ -242,8 +243,8 @@ private:
     if (channels.empty()) return;
     const MatrixXd gain = setup_->filter->gain()(constant_states_, Eigen::all);
     const MatrixXd cross = gain * innovation_.conditioned_covariance().selfadjointView<Eigen::Lower>();
-    const MatrixXd before = setup_->filter->covariance_of(constant_states_) + gain * cross.transpose();
-    const MatrixXd own = before.ldlt().solve(cross);
+    before_ = covariance + gain * cross.transpose();
+    const MatrixXd own = factor_of_constants_.compute(before_).solve(cross);
     slope(Eigen::all, channels) = own;
     const VectorXd moved =
         setup_->filter->mean()(constant_states_) - gain * innovation_.conditioned_value() - history.mean.front();
@@ -255,10 +256,13 @@ private:
 
   void store_unknowns(Index k) {
     auto& history = result_.unknowns_history;
-    if (keeps_slopes_) store_slope(k);
-    if ((k + 1) % history.stride != 0 && k + 1 < input_.measured.samples()) return;
+    const bool is_point = (k + 1) % history.stride == 0 || k + 1 == input_.measured.samples();
+    if (!keeps_slopes_ && !is_point) return;
+    MatrixXd covariance = setup_->filter->covariance_of(constant_states_);
+    if (keeps_slopes_) store_slope(k, covariance);
+    if (!is_point) return;
     history.mean.emplace_back(setup_->filter->mean()(constant_states_));
-    history.covariance.push_back(setup_->filter->covariance_of(constant_states_));
+    history.covariance.push_back(std::move(covariance));
   }
 
   /// Of all states, or only of those that have the same meaning in any coordinates.
@@ -321,6 +325,8 @@ private:
   std::vector<Index> linear_unknowns_;
   std::vector<Index> constant_states_;  ///< places of the unknowns without random walk in the state
   bool keeps_slopes_ = false;
+  MatrixXd before_;  ///< covariance of the constants before an update
+  Eigen::LDLT<MatrixXd> factor_of_constants_;
   LinearEstimate linearised_about_;
   Innovation innovation_;
   VectorXd measured_, output_mean_, output_deviation_;

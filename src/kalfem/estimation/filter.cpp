@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "kalfem/base/independent.hpp"
 #include "kalfem/estimation/covariance_filter.hpp"
 #include "kalfem/estimation/partially_linear/partially_linear_filter.hpp"
 #include "kalfem/estimation/square_root_filter.hpp"
@@ -160,7 +161,19 @@ void whiten(const Eigen::MatrixXd& lower, Eigen::VectorXd& vector) {
 }
 
 Eigen::MatrixXd gain_of(const Eigen::MatrixXd& whitened_cross, const Eigen::MatrixXd& lower) {
-  return lower.triangularView<Eigen::Lower>().solve<Eigen::OnTheRight>(whitened_cross);
+  constexpr Eigen::Index few = 16;  // columns; the general solution prepares blocks, which costs more than they do
+  if (lower.cols() > few) return lower.triangularView<Eigen::Lower>().solve<Eigen::OnTheRight>(whitened_cross);
+  Eigen::MatrixXd gain = whitened_cross;
+  for (Eigen::Index j = gain.cols() - 1; j >= 0; --j) {
+    double* column = &gain(0, j);
+    for (Eigen::Index k = j + 1; k < gain.cols(); ++k) {
+      const double *later = &gain(0, k), factor = lower(k, j);
+      KALFEM_INDEPENDENT
+      for (Eigen::Index i = 0; i < gain.rows(); ++i) column[i] -= later[i] * factor;
+    }
+    gain.col(j) *= 1.0 / lower(j, j);
+  }
+  return gain;
 }
 
 // log N(nu; 0, L L^T) = -1/2 (nu^T (L L^T)^-1 nu + log det(L L^T) + l log(2 pi)). Both terms come from the factor:

@@ -208,10 +208,9 @@ const VectorXd& PartiallyLinearFilter::mean() const {
 }
 
 VectorXd PartiallyLinearFilter::standard_deviation() const {
-  VectorXd deviation(static_cast<Index>(layout_.slot.size()));
-  for (Index i = 0; i < deviation.size(); ++i)
-    deviation[i] = std::sqrt(std::max(0.0, estimate_.variance(layout_.slot[static_cast<std::size_t>(i)])));
-  return deviation;
+  VectorXd deviation = estimate_.variances();
+  for (double& value : deviation) value = std::sqrt(std::max(0.0, value));  // exact, unlike Eigen's over registers
+  return deviation(layout_.slot);
 }
 
 }  // namespace kalfem

@@ -79,8 +79,17 @@ void ProjectedCovariance::multiply(const MatrixXd& columns, MatrixXd& product) {
   pass({.projected = &columns}, product);
 }
 
-double ProjectedCovariance::variance(Index slot) const {
-  return stored_.entry(slot, slot) - (downdate_waits_ ? downdate_.row(slot).squaredNorm() : 0.0);
+VectorXd ProjectedCovariance::variances() const {
+  VectorXd variances(layout_.slots());
+  for (Index first = 0; first < variances.size(); first += lane_count) {
+    Lanes taken = {};
+    for (Index c = 0; downdate_waits_ && c < downdate_.cols(); ++c) {
+      const Lanes values = load(&downdate_(first, c)), squares = values * values;
+      taken = taken + squares;
+    }
+    for (Index i = 0; i < lane_count; ++i) variances[first + i] = stored_.entry(first + i, first + i) - taken[i];
+  }
+  return variances;
 }
 
 MatrixXd ProjectedCovariance::covariance() const {
@@ -91,15 +100,15 @@ MatrixXd ProjectedCovariance::covariance() const {
 }
 
 MatrixXd ProjectedCovariance::covariance_of(const std::vector<Index>& states) const {
-  std::vector<Index> slots;
-  for (const Index state : states) slots.push_back(layout_.slot[static_cast<std::size_t>(state)]);
   const auto count = static_cast<Index>(states.size());
-  const auto slot = [&](Index i) { return slots[static_cast<std::size_t>(i)]; };
-  const MatrixXd covariance =
-      MatrixXd::NullaryExpr(count, count, [&](Index i, Index j) { return stored_.entry(slot(i), slot(j)); });
-  if (!downdate_waits_) return covariance;
-  const MatrixXd downdate = downdate_(slots, Eigen::all);
-  return covariance - downdate * downdate.transpose();
+  const auto slot = [&](Index i) { return layout_.slot[static_cast<std::size_t>(states[static_cast<std::size_t>(i)])]; };
+  MatrixXd covariance(count, count);
+  for (Index j = 0; j < count; ++j)
+    for (Index i = 0; i < count; ++i) {
+      covariance(i, j) = stored_.entry(slot(i), slot(j));
+      if (downdate_waits_) covariance(i, j) -= downdate_.row(slot(i)).dot(downdate_.row(slot(j)));
+    }
+  return covariance;
 }
 
 }  // namespace kalfem

@@ -34,7 +34,7 @@ public:
   [[nodiscard]] const Eigen::MatrixXd& gram() const { return gram_; }
   [[nodiscard]] auto mean() const { return products_.col(rows_.size()); }      ///< x, slots
   [[nodiscard]] const Eigen::MatrixXd& downdate() const { return downdate_; }  ///< J of the last update, slots x l
-  [[nodiscard]] double variance(Eigen::Index slot) const;
+  [[nodiscard]] Eigen::VectorXd variances() const;                             ///< the diagonal of P, slots
   [[nodiscard]] Eigen::MatrixXd covariance() const;  ///< P in the order of the states
   [[nodiscard]] Eigen::MatrixXd covariance_of(const std::vector<Eigen::Index>& states) const;  ///< P of these alone
 
