@@ -41,9 +41,9 @@ const PointQuantity* find_quantity(const std::vector<PointQuantity>& quantities,
   return nullptr;
 }
 
-void compare(PointQuantity& quantity, const Eigen::VectorXd& truth, const Comparison& comparison) {
+void TruthComparison::compare(PointQuantity& quantity, const Eigen::VectorXd& truth) {
   quantity.truth = truth;
-  const Eigen::Index count = truth.size() - comparison.settled;
+  const Eigen::Index count = truth.size() - settled_;
   if (count < 1 || truth.size() != quantity.mean.size()) return;
   const Eigen::VectorXd mean = quantity.mean.tail(count), expected = truth.tail(count);
   if (const double error = nrmse(mean, expected); std::isfinite(error)) quantity.nrmse = error;
@@ -52,9 +52,15 @@ void compare(PointQuantity& quantity, const Eigen::VectorXd& truth, const Compar
     const Eigen::ArrayXd half_width = 1.96 * quantity.deviation.tail(count).array();
     quantity.coverage = ((mean - expected).array().abs() <= half_width).cast<double>().mean();
   }
-  if (!comparison.band || count < 2 || (!strain && quantity.quantity != ObservedQuantity::acceleration)) return;
-  const double error = nrmse_in_band(mean, expected, comparison.sample_rate, *comparison.band);
+  if (!band_ || count < 2 || (!strain && quantity.quantity != ObservedQuantity::acceleration)) return;
+  const double error = error_in_band(mean, expected);
   if (std::isfinite(error)) quantity.nrmse_in_band = error;
+}
+
+double TruthComparison::error_in_band(const Eigen::VectorXd& mean, const Eigen::VectorXd& expected) {
+  if (!in_band_ || samples_ != expected.size()) in_band_.emplace(expected.size(), sample_rate_, *band_);
+  samples_ = expected.size();
+  return (*in_band_)(mean, expected);
 }
 
 std::vector<SubstructureModes> substructure_modes(const Study& study, Eigen::Index count) {

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/records/error_in_band.hpp"
 
 namespace kalfem {
 
@@ -14,16 +15,27 @@ std::vector<OutputDescription> reported_quantities(const CoupledModel& model);
 const PointQuantity* find_quantity(const std::vector<PointQuantity>& quantities, const std::string& point,
                                    ObservedQuantity quantity);
 
-/// Samples and band that count in the comparison of an estimate with the truth.
-struct Comparison {
-  Eigen::Index settled = 0;  ///< first sample
-  double sample_rate = 0.0;  ///< [Hz]
-  std::optional<FrequencyBand> band;
-};
+/// Compares the quantities of a run with the truth. One thread.
+class TruthComparison {
+public:
+  /// `settled`: the first sample that counts; `sample_rate` in Hz; `band`: that of the excitation, if it has one.
+  TruthComparison(Eigen::Index settled, double sample_rate, std::optional<FrequencyBand> band)
+      : settled_(settled), sample_rate_(sample_rate), band_(band) {}
 
-/// Sets the truth and the error against it; of an acceleration or a strain also the error in the band, of
-/// a strain with a deviation the coverage of its 95 % band.
-void compare(PointQuantity& quantity, const Eigen::VectorXd& truth, const Comparison& comparison);
+  /// Sets the truth and the error against it; of an acceleration or a strain also the error in the band, of
+  /// a strain with a deviation the coverage of its 95 % band.
+  void compare(PointQuantity& quantity, const Eigen::VectorXd& truth);
+
+private:
+  /// The error in the band, from the first sample that counts.
+  double error_in_band(const Eigen::VectorXd& mean, const Eigen::VectorXd& expected);
+
+  Eigen::Index settled_;
+  double sample_rate_;
+  std::optional<FrequencyBand> band_;
+  Eigen::Index samples_ = 0;            ///< of those that `in_band_` compares
+  std::optional<ErrorInBand> in_band_;  ///< once there was one
+};
 
 /// Modes of every substructure that has degrees of freedom: all of a lumped one, the lowest `count` of finite elements.
 std::vector<SubstructureModes> substructure_modes(const Study& study, Eigen::Index count);

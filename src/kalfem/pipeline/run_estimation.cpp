@@ -99,6 +99,7 @@ std::vector<PointQuantity> point_quantities(const Study& study, const StudyResul
                                             const std::vector<OutputDescription>& monitored,
                                             const EstimatedSeries& estimated) {
   std::vector<PointQuantity> points;
+  TruthComparison comparison(outcome.settled, study.sample_rate(), outcome.band);
   for (std::size_t i = 0; i < monitored.size(); ++i) {
     const auto row = static_cast<Index>(i);
     PointQuantity quantity{monitored[i].name,
@@ -110,8 +111,7 @@ std::vector<PointQuantity> point_quantities(const Study& study, const StudyResul
                            {}};
     if (results.simulation)
       if (const auto* truth = find_quantity(results.simulation->points, quantity.point, quantity.quantity))
-        compare(quantity, truth->mean.head(outcome.measurements.samples()),
-                {outcome.settled, study.sample_rate(), outcome.band});
+        comparison.compare(quantity, truth->mean.head(outcome.measurements.samples()));
     points.push_back(std::move(quantity));
   }
   return points;

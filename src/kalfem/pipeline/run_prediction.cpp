@@ -117,11 +117,12 @@ PredictionOutcome run_prediction(const Study& study, const CoupledModel& model, 
       {.sample_rate = study.sample_rate(), .newmark_substeps = study.prediction->substeps, .progress = progress});
   const auto n = static_cast<Index>(points.size());
   motion.acceleration.topRows(n) += base(points);
+  TruthComparison comparison(estimation.settled, study.sample_rate(), estimation.band);
   const auto add = [&](const std::string& name, ObservedQuantity quantity, const VectorXd& predicted) {
     PointQuantity point{name, quantity, predicted, {}, {}, {}, {}};
     if (results.simulation)
       if (const auto* truth = find_quantity(results.simulation->points, name, quantity))
-        compare(point, truth->mean, {estimation.settled, study.sample_rate(), estimation.band});
+        comparison.compare(point, truth->mean);
     outcome.points.push_back(std::move(point));
   };
   for (Index i = 0; i < n; ++i) {

@@ -2,62 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
-#include <unsupported/Eigen/FFT>
+
+#include "kalfem/records/windowed_transform.hpp"
 
 namespace kalfem {
-namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
-
-/// The least 2^a 3^b 5^c that is not below n: transforms of other lengths take a time that grows with n times its
-/// largest prime factor.
-Index fast_length(Index n) {
-  for (Index length = std::max<Index>(n, 1);; ++length) {
-    Index rest = length;
-    for (const Index factor : {2, 3, 5})
-      while (rest % factor == 0) rest /= factor;
-    if (rest == 1) return length;
-  }
-}
-
-VectorXd hann(Index n) {
-  const double last = 2.0 * std::numbers::pi * static_cast<double>(n - 1) / static_cast<double>(n);
-  return 0.5 - 0.5 * VectorXd::LinSpaced(n, 0.0, last).array().cos();
-}
-
-/// Spectra of Hann-windowed signals of one length, each followed by zeros up to a fast length.
-class WindowedTransform {
-public:
-  explicit WindowedTransform(Index length) : window_(hann(length)) {}
-
-  Eigen::VectorXcd operator()(const VectorXd& signal) {
-    VectorXd windowed = VectorXd::Zero(fast_length(window_.size()));
-    windowed.head(window_.size()) = signal.cwiseProduct(window_);
-    Eigen::VectorXcd spectrum;
-    transform_.fwd(spectrum, windowed);
-    return spectrum;
-  }
-
-private:
-  VectorXd window_;
-  Eigen::FFT<double> transform_;  ///< with its factors of the length, which cost as much as a transform
-};
-
-/// Sum of the squared spectrum over the lines in the band.
-double power_in_band(const Eigen::VectorXcd& spectrum, double sample_rate, const FrequencyBand& band) {
-  const Index lines = spectrum.size();
-  double power = 0.0;
-  for (Index k = 0; k <= lines / 2; ++k) {
-    const double f = static_cast<double>(k) * sample_rate / static_cast<double>(lines);
-    if (f >= band.from && f <= band.to) power += std::norm(spectrum[k]);
-  }
-  return power;
-}
-
-}  // namespace
 
 CumulativeSpectrum::CumulativeSpectrum(VectorXd signal, double sample_rate, int derivatives, Mean mean) {
   const auto present = (signal.array() == signal.array()).eval();
@@ -65,10 +17,11 @@ CumulativeSpectrum::CumulativeSpectrum(VectorXd signal, double sample_rate, int 
       present.select(signal.array(), 0.0).sum() / static_cast<double>(std::max<Index>(1, present.count()));
   signal = present.select(signal.array() - middle, 0.0);
   if (mean == Mean::kept && derivatives == 0) of_mean_ = middle * middle;
-  const Eigen::VectorXcd spectrum = WindowedTransform(signal.size())(signal);
+  WindowedTransform transform(signal.size());
+  const Eigen::VectorXcd& spectrum = transform(signal);
   const auto lines = static_cast<double>(spectrum.size());
   spacing_ = sample_rate / lines;
-  const double scale = 2.0 / (lines * std::max(hann(signal.size()).squaredNorm(), 1e-300));
+  const double scale = 2.0 / (lines * std::max(hann_window(signal.size()).squaredNorm(), 1e-300));
   up_to_.resize(spectrum.size() / 2 + 1);
   double sum = 0.0;
   for (Index k = 0; k < up_to_.size(); ++k) {
@@ -81,14 +34,6 @@ CumulativeSpectrum::CumulativeSpectrum(VectorXd signal, double sample_rate, int 
 double CumulativeSpectrum::mean_square_below(double frequency) const {
   const auto line = static_cast<Index>(std::min(frequency / spacing_, static_cast<double>(up_to_.size() - 1)));
   return of_mean_ + up_to_[line];
-}
-
-double nrmse_in_band(const VectorXd& estimate, const VectorXd& reference, double sample_rate,
-                     const FrequencyBand& band) {
-  WindowedTransform transform(reference.size());
-  const double size = power_in_band(transform(reference), sample_rate, band);
-  if (!(size > 0.0)) return std::numeric_limits<double>::quiet_NaN();
-  return std::sqrt(power_in_band(transform(estimate - reference), sample_rate, band) / size);
 }
 
 namespace {
@@ -112,7 +57,7 @@ PowerLines welch(const VectorXd& signal, double sample_rate, Index piece) {
   WindowedTransform transform(piece);
   Index pieces = 0;
   for (Index first = 0; first + piece <= signal.size(); first += std::max<Index>(1, piece / 2)) {
-    const Eigen::VectorXcd spectrum = transform(signal.segment(first, piece));
+    const Eigen::VectorXcd& spectrum = transform(signal.segment(first, piece));
     const Index count = spectrum.size() / 2 + 1;
     if (pieces++ == 0) {
       lines.power = VectorXd::Zero(count);
@@ -120,7 +65,7 @@ PowerLines welch(const VectorXd& signal, double sample_rate, Index piece) {
     }
     lines.power += 2.0 / static_cast<double>(spectrum.size()) * spectrum.head(count).cwiseAbs2();
   }
-  lines.power /= static_cast<double>(pieces) * std::max(hann(piece).squaredNorm(), 1e-300);
+  lines.power /= static_cast<double>(pieces) * std::max(hann_window(piece).squaredNorm(), 1e-300);
   return lines;
 }
 

@@ -25,8 +25,8 @@ bool independent_argument_factor(const Eigen::MatrixXd& covariance, Dependent de
                                  std::vector<Eigen::Index>& independent);
 
 /// F^T with P_ww F = L B in the columns of the arguments, L and `independent` as above: zero for arguments that depend
-/// on others. B: the first of at least as many rows as are independent; F^T: columns of B, filled up by rows of zeros to
-/// a multiple of eight, x q.
+/// on others. B: the first of at least as many rows as are independent; F^T: columns of B, filled up by rows of zeros
+/// to a multiple of eight, x q.
 void solve_independent_transposed(const Eigen::MatrixXd& factor, const std::vector<Eigen::Index>& independent,
                                   const Eigen::MatrixXd& b, Eigen::MatrixXd& f_transposed);
 

@@ -101,7 +101,9 @@ MatrixXd ProjectedCovariance::covariance() const {
 
 MatrixXd ProjectedCovariance::covariance_of(const std::vector<Index>& states) const {
   const auto count = static_cast<Index>(states.size());
-  const auto slot = [&](Index i) { return layout_.slot[static_cast<std::size_t>(states[static_cast<std::size_t>(i)])]; };
+  const auto slot = [&](Index i) {
+    return layout_.slot[static_cast<std::size_t>(states[static_cast<std::size_t>(i)])];
+  };
   MatrixXd covariance(count, count);
   for (Index j = 0; j < count; ++j)
     for (Index i = 0; i < count; ++i) {

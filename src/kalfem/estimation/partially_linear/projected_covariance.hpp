@@ -35,7 +35,7 @@ public:
   [[nodiscard]] auto mean() const { return products_.col(rows_.size()); }      ///< x, slots
   [[nodiscard]] const Eigen::MatrixXd& downdate() const { return downdate_; }  ///< J of the last update, slots x l
   [[nodiscard]] Eigen::VectorXd variances() const;                             ///< the diagonal of P, slots
-  [[nodiscard]] Eigen::MatrixXd covariance() const;  ///< P in the order of the states
+  [[nodiscard]] Eigen::MatrixXd covariance() const;                            ///< P in the order of the states
   [[nodiscard]] Eigen::MatrixXd covariance_of(const std::vector<Eigen::Index>& states) const;  ///< P of these alone
 
 private:
@@ -46,7 +46,7 @@ private:
   TileLayout layout_;
   CovarianceTiles stored_;  ///< P, or P + J J^T while a downdate waits
   bool downdate_waits_ = false;
-  Eigen::MatrixXd downdate_;  ///< J, slots x l
+  Eigen::MatrixXd downdate_;                           ///< J, slots x l
   Eigen::MatrixXd products_, dense_, gram_;            ///< `dense_`: the rows of H that pick no state
   Eigen::MatrixXd rows_of_downdate_, rows_and_score_;  ///< H J, [H J; -v^T]
 };
