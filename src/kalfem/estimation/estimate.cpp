@@ -85,6 +85,7 @@ public:
       adaptation_ = std::make_unique<NoiseAdaptation>(augmented_model_, input_, options_, prior, *setup_);
     if (options_.keep_unknowns) begin_history(prior);
     const Index samples = input_.measured.samples();
+    watch_ = {};
     for (Index k = 0; k < samples; ++k) {
       stop_if_asked();
       if (!step(k)) break;
@@ -97,9 +98,8 @@ private:
   /// False where the filter cannot go on from sample k.
   bool step(Index k) {
     auto& time = result_.time;
-    Stopwatch watch;
     const auto charged = [&](FilterOutcome outcome, double& to) {
-      to += watch.lap();
+      to += watch_.lap();
       return outcome;
     };
     renew_unknowns(k);
@@ -113,10 +113,11 @@ private:
     if (outcome == FilterOutcome::usable) outcome = charged(store(k), time.output);
     if (outcome == FilterOutcome::usable && adaptation_) {
       adaptation_->learn(k, innovation_, *setup_);
-      time.update += watch.lap();
+      time.update += watch_.lap();
     }
     // The tangent along the linear part's unknowns holds near the point of linearisation only.
-    if (outcome == FilterOutcome::usable) outcome = charged(relinearise_where_it_moved(k), time.predict);
+    if (outcome == FilterOutcome::usable && !linear_unknowns_.empty())
+      outcome = charged(relinearise_where_it_moved(k), time.predict);
     if (outcome == FilterOutcome::usable) return true;
     stop(k, outcome);
     return false;
@@ -241,15 +242,14 @@ private:
     MatrixXd& slope =
         history.slope.emplace_back(MatrixXd::Zero(std::ssize(constant_states_), input_.measured.values.rows()));
     if (channels.empty()) return;
-    const MatrixXd gain = setup_->filter->gain()(constant_states_, Eigen::all);
-    const MatrixXd cross = gain * innovation_.conditioned_covariance().selfadjointView<Eigen::Lower>();
-    before_ = covariance + gain * cross.transpose();
-    const MatrixXd own = factor_of_constants_.compute(before_).solve(cross);
+    auto& [gain, cross, before, own, factor, moved, known] = slope_work_;
+    gain = setup_->filter->gain()(constant_states_, Eigen::all);
+    cross.noalias() = gain * innovation_.conditioned_covariance().selfadjointView<Eigen::Lower>();
+    before = covariance + gain * cross.transpose();
+    own = factor.compute(before).solve(cross);
     slope(Eigen::all, channels) = own;
-    const VectorXd moved =
-        setup_->filter->mean()(constant_states_) - gain * innovation_.conditioned_value() - history.mean.front();
-    const VectorXd known =
-        innovation_.conditioned_covariance().diagonal() - own.cwiseProduct(cross).colwise().sum().transpose();
+    moved = setup_->filter->mean()(constant_states_) - gain * innovation_.conditioned_value() - history.mean.front();
+    known = innovation_.conditioned_covariance().diagonal() - own.cwiseProduct(cross).colwise().sum().transpose();
     history.at_prior(channels, k) = innovation_.conditioned_value() + own.transpose() * moved;
     history.deviation(channels, k) = known.cwiseMax(0.0).cwiseSqrt();
   }
@@ -301,7 +301,6 @@ private:
   }
 
   FilterOutcome relinearise_where_it_moved(Index k) {
-    if (linear_unknowns_.empty()) return FilterOutcome::usable;
     auto now = linear_estimate(augmented_model_, linear_unknowns_, result_.unknowns, k);
     if (!now.outdates(linearised_about_)) return FilterOutcome::usable;
     try {
@@ -325,9 +324,13 @@ private:
   std::vector<Index> linear_unknowns_;
   std::vector<Index> constant_states_;  ///< places of the unknowns without random walk in the state
   bool keeps_slopes_ = false;
-  MatrixXd before_;  ///< covariance of the constants before an update
-  Eigen::LDLT<MatrixXd> factor_of_constants_;
+  struct {
+    MatrixXd gain, cross, before, own;  ///< of the constants: K, P_theta,y, P_theta before the update, D
+    Eigen::LDLT<MatrixXd> factor;       ///< of P_theta
+    VectorXd moved, known;
+  } slope_work_;
   LinearEstimate linearised_about_;
+  Stopwatch watch_;
   Innovation innovation_;
   VectorXd measured_, output_mean_, output_deviation_;
   EstimationResult result_;

@@ -1,6 +1,7 @@
 #include "kalfem/estimation/unknowns_history.hpp"
 
 #include "kalfem/linalg/scaled_inverse.hpp"
+#include "kalfem/statistics/repeated_inverse.hpp"
 
 namespace kalfem {
 
@@ -13,17 +14,18 @@ Scores scores_of(const UnknownsHistory& history) {
   const MatrixXd& covariance = history.covariance.back();
   const Index samples = static_cast<Index>(history.mean.size()) - 1;
   Scores scores{MatrixXd(last.size(), samples), MatrixXd(last.size(), samples)};
-  VectorXd weighed_before, known_before;
+  RepeatedInverse inverse;
+  VectorXd weighed, known, weighed_before, known_before;
   for (std::size_t k = 0; k < history.mean.size(); ++k) {
-    const MatrixXd information = scaled_inverse(history.covariance[k]);
-    VectorXd weighed = information * (history.mean[k] - last);
-    VectorXd known = (covariance * information).cwiseProduct(covariance).rowwise().sum();
+    const MatrixXd& information = inverse(history.covariance[k]);
+    weighed = information * (history.mean[k] - last);
+    known = (covariance * information).cwiseProduct(covariance).rowwise().sum();
     if (k > 0) {
       scores.value.col(static_cast<Index>(k) - 1) = weighed - weighed_before;
       scores.share.col(static_cast<Index>(k) - 1) = (known - known_before).cwiseQuotient(covariance.diagonal());
     }
-    weighed_before = std::move(weighed);
-    known_before = std::move(known);
+    weighed_before.swap(weighed);
+    known_before.swap(known);
   }
   return scores;
 }

@@ -7,6 +7,7 @@
 
 #include "kalfem/identification/robust_deviations.hpp"
 #include "kalfem/linalg/scaled_inverse.hpp"
+#include "kalfem/statistics/repeated_inverse.hpp"
 #include "kalfem/verdict/verdict.hpp"
 
 namespace kalfem {
@@ -40,12 +41,16 @@ std::vector<Hint> hints_of(const UnknownsHistory& history, Index first) {
   const VectorXd whole = (scaled_inverse(last) - prior).diagonal();
   const VectorXd start = prior * (history.mean.front() - history.mean.back());
   std::vector<Hint> hints(history.unknowns.size());
+  RepeatedInverse inverse;
+  MatrixXd gained;
+  VectorXd score, variance;
   for (std::size_t k = 1; k + 1 < history.mean.size(); ++k) {
     const Index sample = static_cast<Index>(k) * history.stride;
     if (sample <= first) continue;
-    const MatrixXd information = scaled_inverse(history.covariance[k]), gained = information - prior;
-    const VectorXd score = information * (history.mean[k] - history.mean.back()) - start;
-    const VectorXd variance = (gained - gained * last * gained).diagonal();
+    const MatrixXd& information = inverse(history.covariance[k]);
+    gained = information - prior;
+    score = information * (history.mean[k] - history.mean.back()) - start;
+    variance = (gained - gained * last * gained).diagonal();
     for (std::size_t i = 0; i < hints.size(); ++i) {
       const auto row = static_cast<Index>(i);
       const double share = gained(row, row) / whole[row];

@@ -60,6 +60,26 @@ void add(Index j, const MatrixXd& x, Index depth, const Factor& m, MatrixXd& y) 
     if (j < y.cols()) add<sign, width / 2>(j, x, depth, m, y);
 }
 
+/// Eight rows and `width` columns of M = X^T Y. Eight sums at once for each column, over every eighth row of Y: a
+/// single one would wait for its own additions.
+template <int width>
+[[gnu::always_inline]] inline void inner_block(Index height, Index rows, const double* x, const double* y, double* m,
+                                               Index m_rows) {
+  Lanes sums[width][8] = {};
+  for (Index row = 0; row < rows; row += lane_count)
+#pragma GCC unroll 8
+    for (int r = 0; r < lane_count; ++r) {
+      const Lanes left = load(x + (row + r) * height);
+#pragma GCC unroll 2
+      for (int c = 0; c < width; ++c) sums[c][r] += left * y[c * rows + row + r];
+    }
+#pragma GCC unroll 2
+  for (int c = 0; c < width; ++c) {
+    const auto& sum = sums[c];
+    store(m + c * m_rows, ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7])));
+  }
+}
+
 }  // namespace
 
 void thin_product(const MatrixXd& x, const MatrixXd& m, MatrixXd& y) {
@@ -75,20 +95,13 @@ void subtract_thin_product_transposed(const MatrixXd& x, const MatrixXd& m, Matr
   add<-1>(0, x, m.cols(), {m.data(), m.rows(), 1}, y);
 }
 
-/// Eight sums at once, each over every eighth row of Y: one alone would wait for its own additions.
 void thin_inner(const MatrixXd& x_transposed, const MatrixXd& y, MatrixXd& m) {
-  const Index rows = y.rows(), stride = x_transposed.rows();
-  for (Index j = 0; j < y.cols(); ++j) {
-    const double* right = y.data() + j * rows;
-    for (Index i = 0; i < stride; i += lane_count) {
-      Lanes sums[8] = {};
-      for (Index row = 0; row < rows; row += lane_count) {
-        const double* left = x_transposed.data() + row * stride + i;
-#pragma GCC unroll 8
-        for (int r = 0; r < lane_count; ++r) sums[r] += load(left + r * stride) * right[row + r];
-      }
-      store(&m(i, j), ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7])));
-    }
+  const Index rows = y.rows(), height = x_transposed.rows();
+  for (Index i = 0; i < height; i += lane_count) {
+    const double* x = x_transposed.data() + i;
+    Index j = 0;
+    for (; j + 2 <= y.cols(); j += 2) inner_block<2>(height, rows, x, &y(0, j), &m(i, j), m.rows());
+    if (j < y.cols()) inner_block<1>(height, rows, x, &y(0, j), &m(i, j), m.rows());
   }
 }
 

@@ -54,6 +54,10 @@ public:
 
   /// Column of P.
   void column(Eigen::Index slot, double* out) const;
+  /// Variances of the eight states of a tile.
+  void diagonal(Eigen::Index at, double* out) const {
+    for (Eigen::Index i = 0; i < tile_size; ++i) out[i] = tile(at, at)[i * (tile_size + 1)];
+  }
   /// P of two slots.
   [[nodiscard]] double entry(Eigen::Index one, Eigen::Index other) const;
   /// P in the order of the states.

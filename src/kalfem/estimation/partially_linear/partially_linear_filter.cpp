@@ -1,5 +1,6 @@
 #include "kalfem/estimation/partially_linear/partially_linear_filter.hpp"
 
+#include "kalfem/base/independent.hpp"
 #include "kalfem/estimation/kernels/small_kernels.hpp"
 #include "kalfem/estimation/kernels/thin_kernels.hpp"
 
@@ -209,7 +210,9 @@ const VectorXd& PartiallyLinearFilter::mean() const {
 
 VectorXd PartiallyLinearFilter::standard_deviation() const {
   VectorXd deviation = estimate_.variances();
-  for (double& value : deviation) value = std::sqrt(std::max(0.0, value));  // exact, unlike Eigen's over registers
+  KALFEM_INDEPENDENT
+  for (Index i = 0; i < deviation.size(); ++i)  // std::sqrt is exact, Eigen's over registers is not
+    deviation[i] = std::sqrt(deviation[i] > 0.0 ? deviation[i] : 0.0);
   return deviation(layout_.slot);
 }
 

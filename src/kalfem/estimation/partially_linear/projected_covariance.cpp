@@ -87,7 +87,8 @@ VectorXd ProjectedCovariance::variances() const {
       const Lanes values = load(&downdate_(first, c)), squares = values * values;
       taken = taken + squares;
     }
-    for (Index i = 0; i < lane_count; ++i) variances[first + i] = stored_.entry(first + i, first + i) - taken[i];
+    stored_.diagonal(first / tile_size, &variances[first]);
+    store(&variances[first], load(&variances[first]) - taken);
   }
   return variances;
 }
