@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "kalfem/base/independent.hpp"
+
 namespace kalfem {
 
 using Eigen::ArrayXXd;
@@ -51,6 +53,30 @@ bool solve_instant(const AugmentedModel& augmented_model, const ArrayXXd& in, In
   forces.begin_states() = in.leftCols(augmented_model.layout().connector_states);
   const auto outcome = forces.solve(augmented_model.step().instant_compliance, 0.0);
   return outcome.finite && outcome.converged;
+}
+
+/// A column += sum_j factors_j column j of `from`: so many columns in one go.
+template <int columns>
+void add_columns(const double* factors, Index factor_stride, const double* from, Index points, double* to) {
+  KALFEM_INDEPENDENT
+  for (Index i = 0; i < points; ++i) {
+    double sum = to[i];
+#pragma GCC unroll 4
+    for (int j = 0; j < columns; ++j) sum += factors[j * factor_stride] * from[j * points + i];
+    to[i] = sum;
+  }
+}
+
+/// Columns of `to`, one a row of the factors, += these factors times the first columns of `from`.
+void add_combinations(const Ref<const MatrixXd>& factors, const ArrayXXd& from, ArrayXXd& to) {
+  const Index points = from.rows(), stride = factors.outerStride(), count = factors.cols();
+  for (Index row = 0; row < factors.rows(); ++row) {
+    const auto factor = [&](Index j) { return factors.data() + row + j * stride; };
+    Index j = 0;
+    for (; j + 4 <= count; j += 4) add_columns<4>(factor(j), stride, &from(0, j), points, &to(0, row));
+    for (; j + 2 <= count; j += 2) add_columns<2>(factor(j), stride, &from(0, j), points, &to(0, row));
+    if (j < count) add_scaled(factors(row, j), from, j, to, row);
+  }
 }
 
 /// After a solve that failed: the connector with a force that is not finite, otherwise the one with the largest force.
@@ -171,8 +197,10 @@ bool ProcessModel::solve_interval(const ArrayXXd& in, ArrayXXd& out) {
   if (!solve_instant(*augmented_model_, in, motion_, forces_)) return false;
   out.leftCols(m) = forces_.force();
   for (Index part = 1; part <= parts_; ++part) {
-    forces_.begin_motion() = forces_.motion();
-    if (part > 1) forces_.begin_states() = forces_.states();
+    if (layout.connector_states > 0) {  // otherwise no force depends on the part's begin
+      forces_.begin_motion() = forces_.motion();
+      if (part > 1) forces_.begin_states() = forces_.states();
+    }
     if (!solve_part(part, in, out)) return false;
     out.middleCols(part * m, m) = forces_.force();
   }
@@ -186,9 +214,7 @@ bool ProcessModel::solve_part(Index part, const ArrayXXd& in, const ArrayXXd& ou
   const Index earlier = part * forces_.force().cols();
   forces_.free_motion().leftCols(motion_) =
       in.middleCols(picked_arguments(augmented_model_->layout()) + part * motion_, motion_);
-  for (Index row = 0; row < motion_; ++row)
-    for (Index j = 0; j < earlier; ++j)
-      add_scaled(force_motion_((part - 1) * motion_ + row, j), out, j, forces_.free_motion(), row);
+  add_combinations(force_motion_.block((part - 1) * motion_, 0, motion_, earlier), out, forces_.free_motion());
   const auto outcome = forces_.solve(augmented_model_->step().compliance, augmented_model_->step().step);
   return outcome.finite && outcome.converged;
 }

@@ -184,7 +184,7 @@ void PartiallyLinearFilter::iterate(const MatrixXd& noise, Innovation& innovatio
 FilterOutcome PartiallyLinearFilter::observe(VectorXd& mean, VectorXd* deviation) {
   const auto& map = monitored();
   auto& view = *monitored_map_;
-  if (!view.spread(estimate_.gram())) return why_not(view);
+  if (!(deviation ? view.spread(estimate_.gram()) : view.spread_mean(estimate_.gram()))) return why_not(view);
   mean = map.offset();
   mean.noalias() += monitored_.transpose() * estimate_.mean();
   mean.noalias() += map.gain().lazyProduct(view.nonlinear_mean());

@@ -43,6 +43,14 @@ void ProjectedMap::find_places(const ProjectedRows& rows) {
 bool ProjectedMap::spread(const MatrixXd& gram) {
   if (linear_only_) return true;
   take_arguments(gram);
+  if (!evaluate_arguments()) return false;
+  set_covariances();
+  return true;
+}
+
+bool ProjectedMap::spread_mean(const MatrixXd& gram) {
+  if (linear_only_) return true;
+  take_arguments(gram);
   return evaluate_arguments();
 }
 
@@ -58,16 +66,22 @@ void ProjectedMap::take_arguments(const MatrixXd& gram) {
   }
 }
 
+/// phi over sigma points, and its mean.
 bool ProjectedMap::evaluate_arguments() {
-  const auto q = static_cast<Index>(selection_.size()), p = map_.gain().cols();
-  const auto place = [&](Index argument) { return selection_[static_cast<std::size_t>(argument)]; };
+  const auto q = static_cast<Index>(selection_.size());
   const auto dependent = q > many_arguments ? Dependent::left_out : Dependent::raised;
   covariance_usable_ = independent_argument_factor(covariance_, dependent, factor_, independent_);
   // Directions that have vanished since stay as points at the centre: their number changes nothing but array sizes.
   directions_ = std::max(directions_, static_cast<Index>(independent_.size()));
   if (!covariance_usable_ || !transform_.apply(map_, centre_, factor_.topLeftCorner(q, directions_), q)) return false;
-
   nonlinear_mean_ = transform_.mean();
+  return true;
+}
+
+/// F and half the covariance of phi, from the points that were evaluated.
+void ProjectedMap::set_covariances() {
+  const auto q = static_cast<Index>(selection_.size()), p = map_.gain().cols();
+  const auto place = [&](Index argument) { return selection_[static_cast<std::size_t>(argument)]; };
   const MatrixXd& delta = transform_.delta();
   solve_independent_transposed(factor_, independent_, delta, argument_slopes_transposed_);
   slopes_.setZero();
@@ -80,7 +94,6 @@ bool ProjectedMap::evaluate_arguments() {
       half_covariance_(i, j) = sum;
     }
   }
-  return true;
 }
 
 bool ProjectedMap::spread_about(const MatrixXd& gram, const MatrixXd& downdate, const VectorXd& whitened) {
@@ -95,6 +108,7 @@ bool ProjectedMap::spread_about(const MatrixXd& gram, const MatrixXd& downdate, 
       centre_[j] += downdate(place(j), c) * whitened[c];
     }
   if (!evaluate_arguments()) return false;
+  set_covariances();
   argument_slopes_ = argument_slopes_transposed_.topRows(p).transpose();
   prior_products_.noalias() = prior_covariance_.selfadjointView<Eigen::Lower>() * argument_slopes_;
   half_covariance_ = 0.5 * transform_.scatter();

@@ -21,6 +21,8 @@ public:
   /// phi over sigma points of w about the mean. False where the covariance of w is not positive semi-definite
   /// (`covariance_usable` says so) or the map cannot be evaluated.
   [[nodiscard]] bool spread(const Eigen::MatrixXd& gram);
+  /// The same for nonlinear_mean() alone.
+  [[nodiscard]] bool spread_mean(const Eigen::MatrixXd& gram);
   /// The same over sigma points of the posterior with the gram matrix `gram` - J [J; -v^T]^T, J being K x l, brought
   /// back to the prior `gram`: with phi ~ mean(phi) + F^T (w - mean(w)) + error of covariance Sigma there, the mean and
   /// the covariance of phi are those which this gives to the prior's w. For iterated updates, IteratedUpdate.
@@ -51,6 +53,7 @@ public:
 private:
   void take_arguments(const Eigen::MatrixXd& gram);
   bool evaluate_arguments();
+  void set_covariances();
 
   PartiallyLinearMap& map_;
   bool outputs_ = false, linear_only_ = false, covariance_usable_ = true;
