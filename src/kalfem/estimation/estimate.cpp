@@ -245,7 +245,8 @@ private:
     auto& [gain, cross, before, own, factor, moved, known] = slope_work_;
     gain = setup_->filter->gain()(constant_states_, Eigen::all);
     cross.noalias() = gain * innovation_.conditioned_covariance().selfadjointView<Eigen::Lower>();
-    before = covariance + gain * cross.transpose();
+    before = covariance;
+    before.noalias() += gain * cross.transpose();
     own = factor.compute(before).solve(cross);
     slope(Eigen::all, channels) = own;
     moved = setup_->filter->mean()(constant_states_) - gain * innovation_.conditioned_value() - history.mean.front();

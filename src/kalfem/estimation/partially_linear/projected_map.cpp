@@ -88,10 +88,10 @@ void ProjectedMap::set_covariances() {
   half_covariance_ = 0.5 * transform_.scatter();
   for (Index j = 0; j < p; ++j) {
     for (Index k = 0; k < q; ++k) slopes_(place(k), j) += argument_slopes_transposed_(j, k);
-    for (Index i = 0; i < p; ++i) {
+    for (Index i = j; i < p; ++i) {
       double sum = half_covariance_(i, j);
       for (Index k = 0; k < delta.rows(); ++k) sum += 0.5 * delta(k, i) * delta(k, j);
-      half_covariance_(i, j) = sum;
+      half_covariance_(i, j) = half_covariance_(j, i) = sum;
     }
   }
 }
