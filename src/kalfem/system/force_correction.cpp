@@ -1,6 +1,8 @@
 #include "kalfem/system/force_correction.hpp"
 
 #include <array>
+#include <cstdint>
+#include <limits>
 
 namespace kalfem {
 
@@ -82,24 +84,66 @@ void ConnectorResponse::repeat_points(const Columns& at) {
 
 namespace {
 
+// Every operation rounds by itself: what the compiler joins depends on how it arranges a loop.
+#if defined(__clang__)
+#pragma clang fp contract(off)
+#endif
+
 using Eigen::Dynamic;
 
 /// Smallest pivot without row exchanges, as a share of its row's largest entry: at worst two digits of the correction
 /// are lost, which the next one makes good.
 constexpr double least_pivot = 1e-2;
 
-/// An array of lanes: in registers where its size is known.
+/// As many numbers as stand in a block, in registers; the compiler would not keep an Eigen array there.
+template <int width>
+struct BlockOf {
+  typedef double type __attribute__((vector_size(width * sizeof(double)), aligned(sizeof(double)), may_alias));
+  typedef std::int64_t bits __attribute__((vector_size(width * sizeof(double))));
+};
+template <int width>
+using Block = typename BlockOf<width>::type;
+
+template <int width>
+Block<width> read(const double* values) {
+  return *reinterpret_cast<const Block<width>*>(values);
+}
+template <int width>
+void write(double* values, const Block<width>& block) {
+  *reinterpret_cast<Block<width>*>(values) = block;
+}
+template <int width>
+Block<width> magnitude(const Block<width>& block) {
+  using Bits = typename BlockOf<width>::bits;
+  return (Block<width>)((Bits)block & std::numeric_limits<std::int64_t>::max());  // without the signs
+}
+/// The larger one; `b` where one of the two is not a number.
+template <int width>
+Block<width> larger(const Block<width>& a, const Block<width>& b) {
+  return a > b ? a : b;
+}
+/// What is above zero of it, or not a number.
+template <int width>
+Block<width> above_zero(const Block<width>& block) {
+  return larger<width>(Block<width>{}, block);
+}
+template <int width>
+double sum_of(const Block<width>& block) {
+  return Eigen::Map<const Lanes<width>>(reinterpret_cast<const double*>(&block)).sum();
+}
+
+/// An array of blocks: in registers where its size is known.
 template <int count, int width>
-struct LaneArray {
-  explicit LaneArray(double* /*storage*/) {}
-  Lanes<width>& operator[](Index i) { return values[static_cast<std::size_t>(i)]; }
-  std::array<Lanes<width>, static_cast<std::size_t>(count)> values;
+struct BlockArray {
+  explicit BlockArray(double* /*storage*/) {}
+  Block<width>& operator[](Index i) { return values[static_cast<std::size_t>(i)]; }
+  std::array<Block<width>, static_cast<std::size_t>(count)> values;
 };
 
 template <int width>
-struct LaneArray<Dynamic, width> {
-  explicit LaneArray(double* storage) : values(storage) {}
-  Eigen::Map<Lanes<width>> operator[](Index i) { return store<width>(values + width * i); }
+struct BlockArray<Dynamic, width> {
+  explicit BlockArray(double* storage) : values(storage) {}
+  Block<width>& operator[](Index i) { return *reinterpret_cast<Block<width>*>(values + width * i); }
   double* values;
 };
 
@@ -133,34 +177,34 @@ public:
     const double *H = at.compliance, *tangents = at.tangents + first;
 #pragma GCC unroll 4
     for (Index i = 0; i < m; ++i) {
-      const Lanes<width> by_d = load<width>(tangents + i * rows), by_v = load<width>(tangents + (m + i) * rows),
-                         by_a = load<width>(tangents + (2 * m + i) * rows);
-      Lanes<width> largest = Lanes<width>::Zero();
+      const Block<width> by_d = read<width>(tangents + i * rows), by_v = read<width>(tangents + (m + i) * rows),
+                         by_a = read<width>(tangents + (2 * m + i) * rows);
+      Block<width> largest = {};
 #pragma GCC unroll 4
       for (Index k = 0; k < m; ++k) {
         const double* column = H + 3 * m * k;
-        Lanes<width> entry = (i == k ? 1.0 : 0.0) - (by_d * column[i] + by_v * column[m + i]);
+        Block<width> entry = (i == k ? 1.0 : 0.0) - (by_d * column[i] + by_v * column[m + i]);
         if (at.uses_acceleration) entry -= by_a * column[2 * m + i];
-        largest = largest.max(entry.abs());
+        largest = larger<width>(largest, magnitude<width>(entry));
         entry_(i, k) = entry;
       }
       scale_[i] = largest;
-      right_[i] = load<width>(at.law_force + first + i * rows) - load<width>(at.force + first + i * rows);
+      right_[i] = read<width>(at.law_force + first + i * rows) - read<width>(at.force + first + i * rows);
     }
   }
 
   /// Solves in place; false when some pivot is too small to go without row exchanges.
   [[nodiscard]] bool eliminate() {
     const Index m = size();
-    Lanes<width> weakness = Lanes<width>::Zero();
+    Block<width> weakness = {};
 #pragma GCC unroll 4
     for (Index k = 0; k < m; ++k) {
-      weakness += (least_pivot * scale_[k] - entry_(k, k).abs()).max(0.0);
-      const Lanes<width> inverse = 1.0 / entry_(k, k);
+      weakness += above_zero<width>(least_pivot * scale_[k] - magnitude<width>(entry_(k, k)));
+      const Block<width> inverse = 1.0 / entry_(k, k);
       entry_(k, k) = inverse;
 #pragma GCC unroll 4
       for (Index i = k + 1; i < m; ++i) {
-        const Lanes<width> factor = entry_(i, k) * inverse;
+        const Block<width> factor = entry_(i, k) * inverse;
 #pragma GCC unroll 4
         for (Index j = k + 1; j < m; ++j) entry_(i, j) -= factor * entry_(k, j);
         right_[i] -= factor * right_[k];
@@ -168,20 +212,20 @@ public:
     }
 #pragma GCC unroll 4
     for (Index i = m - 1; i >= 0; --i) {
-      Lanes<width> rest = right_[i];
+      Block<width> rest = right_[i];
 #pragma GCC unroll 4
       for (Index j = i + 1; j < m; ++j) rest -= entry_(i, j) * right_[j];
       right_[i] = rest * entry_(i, i);
     }
-    return connectors == 1 || weakness.sum() == 0.0;
+    return connectors == 1 || sum_of<width>(weakness) == 0.0;
   }
 
 private:
   decltype(auto) entry_(Index i, Index k) { return matrix_[i * size() + k]; }
 
   Index size_;
-  LaneArray<times(connectors, connectors), width> matrix_;
-  LaneArray<connectors, width> right_, scale_;
+  BlockArray<times(connectors, connectors), width> matrix_;
+  BlockArray<connectors, width> right_, scale_;
 };
 
 /// Columns of k_free + H f from `column` up to `end`; force(k) is f_k at the block.
@@ -190,18 +234,20 @@ void move_block(const ForceIterate& at, const Force& force, Index first, Index c
   const Index m = connectors == Dynamic ? at.connectors : connectors, rows = at.rows;
 #pragma GCC unroll 12
   for (Index i = column; i < end; ++i) {
-    Lanes<width> sum = load<width>(at.free_motion + first + i * rows);
+    Block<width> sum = read<width>(at.free_motion + first + i * rows);
 #pragma GCC unroll 4
     for (Index k = 0; k < m; ++k) sum += at.compliance[i + 3 * m * k] * force(k);
-    store<width>(at.next_motion + first + i * rows) = sum;
+    write<width>(at.next_motion + first + i * rows, sum);
   }
 }
 
 /// Sums of what exceeds its limit, lane by lane: zero where nothing does, NaN where something is not defined.
 template <int width>
 struct Excess {
-  Lanes<width> growth = Lanes<width>::Zero(), correction = Lanes<width>::Zero();
-  [[nodiscard]] CorrectionJudgement judge() const { return {growth.sum() > 0.0, !(correction.sum() > 0.0)}; }
+  Block<width> growth = {}, correction = {};
+  [[nodiscard]] CorrectionJudgement judge() const {
+    return {sum_of<width>(growth) > 0.0, !(sum_of<width>(correction) > 0.0)};
+  }
 };
 
 }  // namespace
@@ -212,12 +258,12 @@ struct ForceCorrection::Kernels {
     const ForceIterate at = iterate;  // a copy of its own cannot alias the outputs
     for (Index first = 0; first < at.rows; first += width) {
       if constexpr (connectors == Dynamic) {
-        const auto force = [&](Index k) { return load<width>(at.force + first + k * at.rows); };
+        const auto force = [&](Index k) { return read<width>(at.force + first + k * at.rows); };
         move_block<connectors, width>(at, force, first, column, end);
       } else {
-        std::array<Lanes<width>, connectors> forces;
+        std::array<Block<width>, connectors> forces;
         for (std::size_t k = 0; k < connectors; ++k)
-          forces[k] = load<width>(at.force + first + static_cast<Index>(k) * at.rows);
+          forces[k] = read<width>(at.force + first + static_cast<Index>(k) * at.rows);
         const auto force = [&](Index k) -> const auto& { return forces[static_cast<std::size_t>(k)]; };
         move_block<connectors, width>(at, force, first, column, end);
       }
@@ -249,11 +295,11 @@ private:
 #pragma GCC unroll 4
     for (Index j = 0; j < m; ++j) {
       const Index offset = first + j * at.rows;
-      const Lanes<width> residual = system.right(j).abs();
-      const Lanes<width> limit = 2.0 * load<width>(at.previous_residual + offset) +
-                                 at.tolerance * (load<width>(at.force + offset).abs() + at.floor);
-      excess.growth += (residual - limit).max(0.0);
-      store<width>(at.residual + offset) = residual;
+      const Block<width> residual = magnitude<width>(system.right(j));
+      const Block<width> limit = 2.0 * read<width>(at.previous_residual + offset) +
+                                 at.tolerance * (magnitude<width>(read<width>(at.force + offset)) + at.floor);
+      excess.growth += above_zero<width>(residual - limit);
+      write<width>(at.residual + offset, residual);
     }
   }
 
@@ -263,10 +309,11 @@ private:
 #pragma GCC unroll 4
     for (Index j = 0; j < m; ++j) {
       const Index offset = first + j * at.rows;
-      const Lanes<width> correction = system.right(j), force = load<width>(at.force + offset) + correction;
-      excess.correction += (correction.abs() - at.tolerance * (force.abs() + at.floor)).max(0.0);
-      store<width>(at.correction + offset) = correction;
-      store<width>(at.next_force + offset) = force;
+      const Block<width> correction = system.right(j), force = read<width>(at.force + offset) + correction;
+      excess.correction +=
+          above_zero<width>(magnitude<width>(correction) - at.tolerance * (magnitude<width>(force) + at.floor));
+      write<width>(at.correction + offset, correction);
+      write<width>(at.next_force + offset, force);
       system.right(j) = force;
     }
   }
