@@ -4,6 +4,8 @@
 
 #include <numbers>
 
+#include "kalfem/records/error_in_band.hpp"
+
 namespace kalfem {
 namespace {
 
@@ -26,6 +28,18 @@ TEST(Spectrum, LengthDoesNotMatter) {
 
 TEST(Spectrum, NothingInTheBandIsNoNumber) {
   EXPECT_TRUE(std::isnan(nrmse_in_band(sine(1.0, 20.0), Eigen::VectorXd::Zero(4000), 1000.0, {1.0, 40.0})));
+}
+
+/// What was transformed before leaves nothing behind, not even a signal without power in the band.
+TEST(Spectrum, ErrorsOfManyPairsAreThoseOfEachAlone) {
+  const FrequencyBand band{0.5, 40.0};
+  ErrorInBand error(4000, 1000.0, band);
+  const Eigen::VectorXd reference = sine(2.0, 20.3), none = Eigen::VectorXd::Zero(4000);
+  EXPECT_TRUE(std::isnan(error(reference, none)));
+  for (const double amplitude : {0.1, 0.7, 0.2}) {
+    const Eigen::VectorXd estimate = reference + sine(amplitude, 30.7);
+    EXPECT_EQ(error(estimate, reference), nrmse_in_band(estimate, reference, 1000.0, band));
+  }
 }
 
 }  // namespace

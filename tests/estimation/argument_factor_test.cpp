@@ -35,8 +35,37 @@ TEST(IndependentArguments, SolveForTheSameCombinationsOfTheColumns) {
   std::vector<Index> independent;
   ASSERT_TRUE(independent_argument_factor(covariance, Dependent::left_out, factor, independent));
   solve_independent_transposed(factor, independent, b, solution);
-  EXPECT_TRUE((covariance * solution).isApprox(factor.leftCols(3) * b.topRows(3), 1e-12));
-  EXPECT_TRUE(solution.bottomRows(5).isZero(0.0));
+  ASSERT_EQ(solution.rows(), 8);
+  EXPECT_TRUE((covariance * solution.topRows(2).transpose()).isApprox(factor.leftCols(3) * b.topRows(3), 1e-12));
+  EXPECT_TRUE(solution.rightCols(5).isZero(0.0));
+  EXPECT_TRUE(solution.bottomRows(6).isZero(0.0));
+}
+
+/// Eleven arguments and nine outputs fill no whole number of registers.
+TEST(IndependentArguments, MayBeAnyNumber) {
+  std::srand(3);
+  const MatrixXd root = MatrixXd::Random(11, 11), covariance = root * root.transpose(), b = MatrixXd::Random(11, 9);
+  MatrixXd factor, lower, solution;
+  std::vector<Index> independent;
+  ASSERT_TRUE(independent_argument_factor(covariance, Dependent::raised, factor, independent));
+  ASSERT_TRUE(argument_factor(covariance, lower));
+  ASSERT_EQ(independent.size(), 11);
+  ASSERT_EQ(factor.rows(), 16);
+  EXPECT_TRUE(factor.topRows(11).isApprox(lower, 1e-12));
+  EXPECT_TRUE(factor.bottomRows(5).isZero(0.0));
+  solve_independent_transposed(factor, independent, b, solution);
+  ASSERT_EQ(solution.rows(), 16);
+  EXPECT_TRUE((covariance * solution.topRows(9).transpose()).isApprox(lower * b, 1e-9));
+  EXPECT_TRUE(solution.bottomRows(7).isZero(0.0));
+}
+
+/// A covariance beyond what its two variances allow is rounding: the first argument spreads alone.
+TEST(IndependentArguments, DoNotFollowAnImpossibleCovariance) {
+  MatrixXd factor, covariance = MatrixXd::Identity(3, 3);
+  covariance(2, 0) = 1.1;
+  std::vector<Index> independent;
+  ASSERT_TRUE(independent_argument_factor(covariance, Dependent::raised, factor, independent));
+  EXPECT_TRUE(factor.topRows(3).isIdentity(0.0));
 }
 
 TEST(IndependentArguments, RefuseWhatIsNoCovariance) {

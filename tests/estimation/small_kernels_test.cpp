@@ -6,6 +6,10 @@
 #include <random>
 #include <thread>
 
+#include "kalfem/estimation/filter.hpp"
+#include "kalfem/estimation/kernels/thin_kernels.hpp"
+#include "kalfem/estimation/kernels/vector_lanes.hpp"
+
 namespace kalfem {
 namespace {
 
@@ -215,6 +219,30 @@ TEST(SmallKernels, ThreadsDoNotDisturbEachOther) {
       for (int i = 0; i < 5; ++i) check_symmetric(n, n);
     });
   for (auto& thread : threads) thread.join();
+}
+
+/// Rows of X^T that fill no register, with one, an even and an odd number of columns beside them.
+TEST(ThinKernels, InnerProductsAreThoseOfPlainLoops) {
+  for (const Index columns : {1, 5, 8, 11, 16})
+    for (const Index beside : {1, 4, 7}) {
+      const MatrixXd x = random_matrix(24, columns), y = random_matrix(24, beside);
+      const Index padded = whole_lanes(columns);
+      MatrixXd transposed = MatrixXd::Zero(padded, 24), m = MatrixXd::Constant(padded, beside, nan);
+      transposed.topRows(columns) = x.transpose();
+      thin_inner(transposed, y, m);
+      expect_product(m.topRows(columns), MatrixXd::Zero(columns, beside), x.transpose(), y, 1.0, Compared::all,
+                     "inner");
+      EXPECT_TRUE(m.bottomRows(padded - columns).isZero(0.0));
+    }
+}
+
+/// On either side of the number of columns from which blocks pay.
+TEST(Gain, TimesTheFactorIsTheWhitenedCovariance) {
+  for (const Index channels : {1, 4, 16, 17, 40}) {
+    const MatrixXd cross = random_matrix(24, channels);
+    const MatrixXd lower = random_lower(channels) + 10.0 * MatrixXd::Identity(channels, channels);
+    EXPECT_TRUE((gain_of(cross, lower) * lower).isApprox(cross, 1e-12)) << channels;
+  }
 }
 
 }  // namespace

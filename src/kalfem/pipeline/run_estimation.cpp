@@ -9,6 +9,7 @@ namespace kalfem {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
 namespace {
 
@@ -93,6 +94,15 @@ std::vector<std::string> hardly_known(const EstimationOutcome& outcome) {
   return names;
 }
 
+/// The rows of a series, read sample by sample as they stand in memory.
+std::vector<VectorXd> rows_of(const MatrixXd& series) {
+  std::vector<VectorXd> rows;
+  for (Index i = 0; i < series.rows(); ++i) rows.emplace_back(series.cols());
+  for (Index k = 0; k < series.cols(); ++k)
+    for (Index i = 0; i < series.rows(); ++i) rows[static_cast<std::size_t>(i)][k] = series(i, k);
+  return rows;
+}
+
 /// The monitored quantities one by one, compared with the reference if the record was simulated.
 std::vector<PointQuantity> point_quantities(const Study& study, const StudyResults& results,
                                             const EstimationOutcome& outcome,
@@ -100,15 +110,10 @@ std::vector<PointQuantity> point_quantities(const Study& study, const StudyResul
                                             const EstimatedSeries& estimated) {
   std::vector<PointQuantity> points;
   TruthComparison comparison(outcome.settled, study.sample_rate(), outcome.band);
+  auto means = rows_of(estimated.mean), deviations = rows_of(estimated.deviation);
   for (std::size_t i = 0; i < monitored.size(); ++i) {
-    const auto row = static_cast<Index>(i);
-    PointQuantity quantity{monitored[i].name,
-                           monitored[i].quantity,
-                           estimated.mean.row(row).transpose(),
-                           estimated.deviation.row(row).transpose(),
-                           {},
-                           {},
-                           {}};
+    PointQuantity quantity{
+        monitored[i].name, monitored[i].quantity, std::move(means[i]), std::move(deviations[i]), {}, {}, {}};
     if (results.simulation)
       if (const auto* truth = find_quantity(results.simulation->points, quantity.point, quantity.quantity))
         comparison.compare(quantity, truth->mean.head(outcome.measurements.samples()));

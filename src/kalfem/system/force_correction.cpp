@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 
 namespace kalfem {
@@ -95,10 +96,10 @@ using Eigen::Dynamic;
 /// are lost, which the next one makes good.
 constexpr double least_pivot = 1e-2;
 
-/// As many numbers as stand in a block, in registers; the compiler would not keep an Eigen array there.
+/// The numbers of a block of lanes, in registers; the compiler would not keep an Eigen array there.
 template <int width>
 struct BlockOf {
-  typedef double type __attribute__((vector_size(width * sizeof(double)), aligned(sizeof(double)), may_alias));
+  typedef double type __attribute__((vector_size(width * sizeof(double))));
   typedef std::int64_t bits __attribute__((vector_size(width * sizeof(double))));
 };
 template <int width>
@@ -106,11 +107,13 @@ using Block = typename BlockOf<width>::type;
 
 template <int width>
 Block<width> read(const double* values) {
-  return *reinterpret_cast<const Block<width>*>(values);
+  Block<width> block;
+  std::memcpy(&block, values, sizeof block);  // columns need not stand on a register's boundary
+  return block;
 }
 template <int width>
 void write(double* values, const Block<width>& block) {
-  *reinterpret_cast<Block<width>*>(values) = block;
+  std::memcpy(values, &block, sizeof block);
 }
 template <int width>
 Block<width> magnitude(const Block<width>& block) {
@@ -129,7 +132,9 @@ Block<width> above_zero(const Block<width>& block) {
 }
 template <int width>
 double sum_of(const Block<width>& block) {
-  return Eigen::Map<const Lanes<width>>(reinterpret_cast<const double*>(&block)).sum();
+  Lanes<width> lanes;
+  write<width>(lanes.data(), block);
+  return lanes.sum();
 }
 
 /// An array of blocks: in registers where its size is known.
