@@ -20,7 +20,7 @@ constexpr double impossible = 1.01;
 void set_column(const MatrixXd& covariance, Index j, Index found, double root, MatrixXd& factor) {
   const Index q = covariance.rows(), first = j - j % lane_count;
   double* column = &factor(0, found);
-  std::copy_n(&covariance(j, j), q - j, column + j);
+  for (Index i = j; i < q; ++i) column[i] = covariance(i, j);
   for (Index block = first; block < factor.rows(); block += lane_count) {
     Lanes sum = load(column + block);
     for (Index k = 0; k < found; ++k) {
@@ -29,7 +29,9 @@ void set_column(const MatrixXd& covariance, Index j, Index found, double root, M
     }
     store(column + block, sum / root);
   }
-  std::fill(column + first, column + j, 0.0);
+  constexpr Lanes places = {0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0};
+  const Lanes above = load(column + first);
+  store(column + first, places < static_cast<double>(j - first) ? Lanes{} : above);
   column[j] = root;
   bool possible = true;
   for (Index i = j + 1; i < q; ++i) possible &= !(column[i] * column[i] > impossible * covariance(i, i));

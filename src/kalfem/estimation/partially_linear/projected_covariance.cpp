@@ -107,9 +107,10 @@ MatrixXd ProjectedCovariance::covariance_of(const std::vector<Index>& states) co
   };
   MatrixXd covariance(count, count);
   for (Index j = 0; j < count; ++j)
-    for (Index i = 0; i < count; ++i) {
+    for (Index i = j; i < count; ++i) {
       covariance(i, j) = stored_.entry(slot(i), slot(j));
       if (downdate_waits_) covariance(i, j) -= downdate_.row(slot(i)).dot(downdate_.row(slot(j)));
+      covariance(j, i) = covariance(i, j);
     }
   return covariance;
 }
