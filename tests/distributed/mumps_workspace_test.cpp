@@ -4,6 +4,7 @@
 
 #include <thread>
 
+#include "kalfem/linalg/makers.hpp"
 #include "reduction/lattice.hpp"
 
 namespace kalfem {
@@ -20,9 +21,9 @@ SparseMatrix membrane(double support) {
 // CHOLMOD counts the zeros of its supernodes, or L without them: either is another number.
 TEST(MumpsWorkspace, IsBehindTheFactor) {
   const SparseFactor distributed(membrane(50.0));
-  auto maker = use_factor_maker({});
+  auto makers = use_makers({});
   const SparseFactor serial(membrane(50.0));
-  use_factor_maker(std::move(maker));
+  use_makers(std::move(makers));
   EXPECT_NE(distributed.nonzeros(), serial.nonzeros());
   EXPECT_NEAR(distributed.smallest_pivot() / serial.smallest_pivot(), 1.0, 0.1);  // of orders within one front
   EXPECT_EQ(distributed.order(), serial.order());

@@ -1,7 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "kalfem/linalg/factor_workspace.hpp"
+#include "kalfem/linalg/block_lanczos.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
+#include "kalfem/linalg/makers.hpp"
 #include "kalfem/reduction/superelement.hpp"
 #include "reduction/lattice.hpp"
 
@@ -15,9 +16,9 @@ using Eigen::VectorXd;
 /// What `work` gives without the other ranks.
 template <class Work>
 auto on_one_rank(const Work& work) {
-  auto maker = use_factor_maker({});
+  auto makers = use_makers({});
   auto result = work();
-  use_factor_maker(std::move(maker));
+  use_makers(std::move(makers));
   return result;
 }
 
@@ -38,6 +39,31 @@ TEST(SerialAnswers, AreThoseOfTheModes) {
   const LowestModes serial = on_one_rank(modes), distributed = modes();
   EXPECT_LT(largest_relative_difference(distributed.values, serial.values), 2e-9);  // 1e-9 of the frequencies
   EXPECT_LT((with_signs_of(serial.vectors, distributed.vectors) - serial.vectors).norm(), 1e-6 * serial.vectors.norm());
+}
+
+/// The lowest pairs of a membrane whose rows no number of ranks divides, in a space that is soon full.
+RitzPairs restarted(const LinearModel& model, Index count, MatrixXd& vectors) {
+  const StiffnessFactor factor = factor_stiffness(model.stiffness, model.mass);
+  BlockLanczos lanczos(factor, model.mass, 4, 40);
+  lanczos.restart_at_random();
+  for (int restarts = 0; restarts < 20; ++restarts) {
+    while (!lanczos.full()) lanczos.step();
+    if (restarts + 1 < 20) lanczos.compress(lanczos.pairs(), 2 * count);
+  }
+  RitzPairs pairs = lanczos.pairs();
+  vectors = lanczos.vectors(pairs, count);
+  return pairs;
+}
+
+TEST(SerialAnswers, AreThoseOfARestartedKrylovSpace) {
+  const LinearModel odd = lattice::model({.columns = 47, .rows = 31, .support = 50.0});
+  MatrixXd serial_vectors, vectors;
+  const RitzPairs serial = on_one_rank([&] { return restarted(odd, 8, serial_vectors); });
+  const RitzPairs distributed = restarted(odd, 8, vectors);
+  EXPECT_LT(serial.residuals.head(8).maxCoeff(), 1e-9 * serial.values[7]);
+  EXPECT_LT(largest_relative_difference(distributed.values.head(8), serial.values.head(8)), 1e-11);
+  EXPECT_LT((with_signs_of(serial_vectors, vectors) - serial_vectors).norm(), 1e-7);
+  EXPECT_LT((vectors.transpose() * odd.mass * vectors - MatrixXd::Identity(8, 8)).norm(), 1e-12);
 }
 
 TEST(SerialAnswers, AreThoseOfAFreeStructure) {

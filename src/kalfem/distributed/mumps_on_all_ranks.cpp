@@ -1,18 +1,8 @@
 #include "kalfem/distributed/mumps_on_all_ranks.hpp"
 
-#include <atomic>
-
 namespace kalfem::distributed {
-namespace {
 
-int next_number() {
-  static std::atomic<int> last = 0;
-  return ++last;
-}
-
-}  // namespace
-
-MumpsOnAllRanks::MumpsOnAllRanks(Service& service) : service_(service), number_(next_number()) {
+MumpsOnAllRanks::MumpsOnAllRanks(Service& service) : service_(service), number_(service.new_object()) {
   service_.together({Task::make_factor, number_}, [&] { own_.emplace(service_.ranks()); });
 }
 
@@ -21,7 +11,7 @@ MumpsOnAllRanks::~MumpsOnAllRanks() {
 }
 
 int MumpsOnAllRanks::run(MumpsJob job) {
-  service_.together({Task::run_factor, number_, static_cast<int>(job)}, [&] { own_->run(job); });
+  service_.together({Task::run_factor, number_, {static_cast<int>(job)}}, [&] { own_->run(job); });
   return own_->state().infog[0];
 }
 

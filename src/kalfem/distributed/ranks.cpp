@@ -5,10 +5,11 @@
 #include <map>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/distributed/distributed_vectors.hpp"
 #include "kalfem/distributed/mumps_instance.hpp"
 #include "kalfem/distributed/mumps_workspace.hpp"
 #include "kalfem/distributed/service.hpp"
-#include "kalfem/linalg/factor_workspace.hpp"
+#include "kalfem/linalg/makers.hpp"
 
 namespace kalfem::distributed {
 
@@ -25,18 +26,23 @@ Ranks::Ranks(int& argc, char**& argv) {
 
 void Ranks::distribute(const RanksOptions& options) {
   const auto least_rows = std::max<Eigen::Index>(options.least_rows, size_);
-  use_factor_maker(
-      [&service = *service_, least_rows, &needed = were_needed_](
-          const UpperTriangle& pattern, const EliminationOrder& order) -> std::unique_ptr<FactorWorkspace> {
+  use_makers({
+      .factor = [&service = *service_, least_rows, &needed = were_needed_](
+                    const UpperTriangle& pattern, const EliminationOrder& order) -> std::unique_ptr<FactorWorkspace> {
         if (pattern.size < least_rows) return nullptr;
         needed = true;
         return std::make_unique<MumpsWorkspace>(service, pattern, order);
-      });
+      },
+      .long_vectors = [&service = *service_, least_rows](Eigen::Index rows) -> std::unique_ptr<LongVectors> {
+        if (rows < least_rows) return nullptr;
+        return std::make_unique<DistributedVectors>(service, rows);
+      },
+  });
 }
 
 Ranks::~Ranks() {
   if (!works_for_rank_0() && orders_) {
-    use_factor_maker({});
+    use_makers({});
     service_->together({Task::finish}, [] {});
   }
   MPI_Finalize();
@@ -44,6 +50,7 @@ Ranks::~Ranks() {
 
 void Ranks::serve() {
   std::map<int, MumpsInstance> factors;
+  std::map<int, VectorsPart> vectors;
   for (;;) {
     const Order order = service_->await();
     switch (order.task) {
@@ -51,10 +58,19 @@ void Ranks::serve() {
         factors.try_emplace(order.object, service_->ranks());
         break;
       case Task::run_factor:
-        factors.at(order.object).run(static_cast<MumpsJob>(order.argument));
+        factors.at(order.object).run(static_cast<MumpsJob>(order.arguments[0]));
         break;
       case Task::free_factor:
         factors.erase(order.object);
+        break;
+      case Task::make_vectors:
+        vectors.try_emplace(order.object, service_->ranks(), order.arguments[0]);
+        break;
+      case Task::use_vectors:
+        vectors.at(order.object).follow(order);
+        break;
+      case Task::free_vectors:
+        vectors.erase(order.object);
         break;
       case Task::finish:
         return;

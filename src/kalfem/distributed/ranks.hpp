@@ -9,18 +9,18 @@ namespace kalfem::distributed {
 class Service;
 
 struct RanksOptions {
-  Eigen::Index least_rows = 20000;  ///< matrices with fewer rows, or fewer than ranks, are factored by rank 0 alone
+  Eigen::Index least_rows = 20000;  ///< what has fewer rows, or fewer than ranks, is rank 0's alone
 };
 
 /// The processes that an MPI launcher started for one case. Rank 0 runs the program as if it were alone, while its
-/// SparseFactor distributes large matrices over all ranks; the others serve it:
+/// SparseFactor and LongVectors distribute what is large over all ranks; the others serve it:
 ///
 ///     Ranks ranks(argc, argv);
 ///     if (ranks.works_for_rank_0()) return ranks.serve();
 ///     ranks.distribute();
 ///     ...
 ///
-/// One object a process; factors end before it.
+/// One object a process; factors and vectors end before it.
 class Ranks {
 public:
   /// Throws InvalidInput where the MPI library cannot be called by several threads in turn.
@@ -37,7 +37,7 @@ public:
   /// From now on each rank works by itself, on runs of its own: rank 0 gives no orders.
   void share_runs() { orders_ = false; }
 
-  /// On rank 0: factors are distributed from here on.
+  /// On rank 0: factors and long vectors are distributed from here on.
   void distribute(const RanksOptions& options = {});
   /// Whether any was.
   [[nodiscard]] bool were_needed() const { return were_needed_; }

@@ -18,12 +18,14 @@ constexpr double no_direction = 1e-14;
 
 BlockLanczos::BlockLanczos(const StiffnessFactor& factor, const Eigen::SparseMatrix<double>& mass, Index width,
                            Index capacity)
-    : factor_(factor), mass_(mass), width_(width), basis_(mass.rows(), capacity) {}
+    : factor_(factor), mass_(mass), width_(width), basis_(make_long_vectors(mass.rows())) {
+  set_capacity(capacity);
+}
 
 /// V = A^-1 M V.
 void BlockLanczos::apply() {
   solves_ += mass_weighted_modes_.cols();
-  block_.resize(basis_.rows(), mass_weighted_modes_.cols());
+  block_.resize(mass_.rows(), mass_weighted_modes_.cols());
   factor_.respond(mass_weighted_modes_, block_);
 }
 
@@ -49,19 +51,16 @@ MatrixXd BlockLanczos::normalise(double shortest) {
 void BlockLanczos::attach(Index near, Index columns, MatrixXd& projections, MatrixXd& triangle) {
   mass_weighted_modes_.noalias() = mass_ * block_;
   const double scale = std::sqrt(block_.cwiseProduct(mass_weighted_modes_).colwise().sum().maxCoeff());
-  const auto close = basis_.middleCols(near, columns - near), basis = basis_.leftCols(columns);
   projections.setZero(columns, block_.cols());
-  projections.bottomRows(columns - near).noalias() = close.transpose() * mass_weighted_modes_;
-  block_.noalias() -= close * projections.bottomRows(columns - near);
+  projections.bottomRows(columns - near) = basis_->project_out(near, columns, mass_weighted_modes_, block_);
   mass_weighted_modes_.noalias() = mass_ * block_;
   triangle = normalise(no_direction * scale);
-  const MatrixXd remainder = basis.transpose() * mass_weighted_modes_;
-  block_.noalias() -= basis * remainder;
+  const MatrixXd remainder = basis_->project_out(0, columns, mass_weighted_modes_, block_);
   mass_weighted_modes_.noalias() = mass_ * block_;
   projections += remainder * triangle;
   triangle = normalise(0.5) * triangle;  // nothing that is left had length 1: it lay in the basis
   last_ = block_.cols();
-  basis_.middleCols(columns, last_) = block_;
+  basis_->put(columns, block_);
 }
 
 // A block Lanczos step with full second orthogonalisation: apply A^-1 M to the last block, take out the part that lies
@@ -87,7 +86,7 @@ bool BlockLanczos::step() {
 }
 
 bool BlockLanczos::restart_at_random() {
-  block_.resize(basis_.rows(), width_);
+  block_.resize(mass_.rows(), width_);
   for (double& value : block_.reshaped()) value = std::ldexp(random_(), -31) - 1.0;
   mass_weighted_modes_.noalias() = mass_ * block_;
   apply();
@@ -101,17 +100,14 @@ bool BlockLanczos::restart_at_random() {
 // Thick restart: the leading Ritz vectors take the place of the basis, their values that of the projected matrix, and
 // the last block stays, coupled with all of them. Nothing that has converged is lost, and the memory stays bounded.
 void BlockLanczos::compress(const RitzPairs& pairs, Index keep) {
-  const MatrixXd next = basis_.middleCols(size_, last_);
   const auto kept = pairs.vectors.leftCols(keep);
-  basis_.leftCols(keep) = vectors(pairs, keep);
-  basis_.middleCols(keep, last_) = next;
+  basis_->combine(kept);
+  basis_->put(keep, block_);
   projected_ = pairs.values.head(keep).asDiagonal();
   coupling_ = (coupling_ * kept).eval();
   coupled_ = 0;
   size_ = keep;
 }
-
-void BlockLanczos::set_capacity(Index capacity) { basis_.conservativeResize(Eigen::NoChange, capacity); }
 
 RitzPairs BlockLanczos::pairs() const {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(0.5 * (projected_ + projected_.transpose()));
@@ -121,7 +117,7 @@ RitzPairs BlockLanczos::pairs() const {
 }
 
 MatrixXd BlockLanczos::vectors(const RitzPairs& pairs, Index count) const {
-  return basis_.leftCols(size_) * pairs.vectors.leftCols(count);
+  return basis_->combination(pairs.vectors.leftCols(count));
 }
 
 }  // namespace kalfem

@@ -2,8 +2,10 @@
 
 #include <Eigen/Dense>
 #include <Eigen/Sparse>
+#include <memory>
 #include <random>
 
+#include "kalfem/linalg/long_vectors.hpp"
 #include "kalfem/linalg/stiffness_factor.hpp"
 
 namespace kalfem {
@@ -31,12 +33,12 @@ public:
   bool restart_at_random();
   /// Shrinks the basis to its `keep` leading Ritz vectors.
   void compress(const RitzPairs& pairs, Eigen::Index keep);
-  void set_capacity(Eigen::Index capacity);
+  void set_capacity(Eigen::Index capacity) { basis_->reserve(capacity); }
 
   [[nodiscard]] RitzPairs pairs() const;
   [[nodiscard]] Eigen::MatrixXd vectors(const RitzPairs& pairs, Eigen::Index count) const;
   [[nodiscard]] Eigen::Index size() const { return size_; }  ///< columns of the basis to which A^-1 M was applied
-  [[nodiscard]] bool full() const { return size_ + 2 * width_ > basis_.cols(); }
+  [[nodiscard]] bool full() const { return size_ + 2 * width_ > basis_->capacity(); }
   [[nodiscard]] Eigen::Index solves() const { return solves_; }
 
 private:
@@ -50,7 +52,7 @@ private:
   Eigen::Index size_ = 0;  ///< columns to which the operator was applied; the last block follows them
   Eigen::Index last_ = 0;  ///< width of the last block
   Eigen::Index solves_ = 0;
-  Eigen::MatrixXd basis_;                ///< n x capacity, M-orthonormal
+  std::unique_ptr<LongVectors> basis_;   ///< Q, M-orthonormal
   Eigen::MatrixXd block_;                ///< V, the last block or what becomes the next one, n x width
   Eigen::MatrixXd mass_weighted_modes_;  ///< M V
   Eigen::MatrixXd scratch_;              ///< of their size: at millions of rows an allocation a step costs much

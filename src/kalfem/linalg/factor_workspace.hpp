@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Dense>
-#include <functional>
 #include <memory>
 #include <optional>
 
@@ -33,14 +32,7 @@ public:
   [[nodiscard]] virtual std::optional<SinglePrecisionFactor> in_single_precision() const { return {}; }
 };
 
-/// Makes the workspace for a pattern; `order` may be empty. It may answer nothing: CHOLMOD then factors.
-using FactorMaker = std::function<std::unique_ptr<FactorWorkspace>(const UpperTriangle&, const EliminationOrder&)>;
-
-/// From now on `maker` is asked first, in the whole process; an empty one: CHOLMOD factors everything, as at the start.
-/// To be called while no other thread factors. Returns the one before.
-FactorMaker use_factor_maker(FactorMaker maker);
-
-/// By the maker in use, otherwise by CHOLMOD.
+/// By the maker in use, see Makers, otherwise by CHOLMOD.
 std::unique_ptr<FactorWorkspace> make_factor_workspace(const UpperTriangle& pattern, const EliminationOrder& order);
 
 }  // namespace kalfem

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "kalfem/distributed/vectors_part.hpp"
+
+namespace kalfem::distributed {
+
+/// Vectors whose rows are distributed over the ranks, as rank 0 holds them: what it does, all ranks do. Blocks go out
+/// and come back by VectorsPart::widest columns.
+class DistributedVectors final : public LongVectors {
+public:
+  DistributedVectors(Service& service, Eigen::Index rows);
+  ~DistributedVectors() override;
+  DistributedVectors(const DistributedVectors&) = delete;
+  DistributedVectors& operator=(const DistributedVectors&) = delete;
+
+  void reserve(Eigen::Index capacity) override;
+  [[nodiscard]] Eigen::Index capacity() const override { return own_.capacity(); }
+
+  void put(Eigen::Index place, const Columns& block) override;
+  Eigen::MatrixXd project_out(Eigen::Index begin, Eigen::Index end, const Columns& mass_weighted,
+                              Eigen::Ref<Eigen::MatrixXd> block) override;
+  [[nodiscard]] Eigen::MatrixXd combination(const Columns& weights) const override;
+  void combine(const Columns& weights) override;
+
+private:
+  [[nodiscard]] Order order(VectorsJob job, Eigen::Index first, Eigen::Index second = 0, Eigen::Index third = 0) const;
+
+  Service& service_;
+  int number_;
+  Eigen::Index rows_;
+  VectorsPart own_;
+};
+
+}  // namespace kalfem::distributed

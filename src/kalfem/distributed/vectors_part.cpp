@@ -1,0 +1,116 @@
+#include "kalfem/distributed/vectors_part.hpp"
+
+#include <new>
+#include <numeric>
+
+namespace kalfem::distributed {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+namespace {
+
+int rank_in(MPI_Comm ranks) {
+  int rank = 0;
+  MPI_Comm_rank(ranks, &rank);
+  return rank;
+}
+
+/// Rows of each rank, which differ by one at most.
+std::vector<int> shares(MPI_Comm ranks, Index rows) {
+  int size = 1;
+  MPI_Comm_size(ranks, &size);
+  std::vector<int> shares(static_cast<std::size_t>(size), static_cast<int>(rows / size));
+  for (Index rank = 0; rank < rows % size; ++rank) ++shares[static_cast<std::size_t>(rank)];
+  return shares;
+}
+
+std::vector<int> starts(const std::vector<int>& shares) {
+  std::vector<int> starts(shares.size());
+  std::exclusive_scan(shares.begin(), shares.end(), starts.begin(), 0);
+  return starts;
+}
+
+}  // namespace
+
+VectorsPart::VectorsPart(MPI_Comm ranks, Index rows)
+    : ranks_(ranks),
+      rows_(shares(ranks, rows)),
+      first_row_(starts(rows_)),
+      own_(rows_[static_cast<std::size_t>(rank_in(ranks))]),
+      part_(own_.rows(), widest),
+      whole_(rank_in(ranks) == 0 ? rows : 0) {}
+
+bool VectorsPart::reserve(Index capacity) {
+  int found = 1;
+  try {
+    own_.reserve(capacity);
+  } catch (const std::bad_alloc&) {
+    found = 0;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &found, 1, MPI_INT, MPI_MIN, ranks_);
+  return found == 1;
+}
+
+void VectorsPart::put(Index place, const Columns& block) { scatter(block, own_.between(place, place + block.cols())); }
+
+// Each rank has its part of C = Q^T M V from its rows alone; of the sum it makes its rows of Q C, and rank 0 takes them
+// from V, which never leaves it.
+MatrixXd VectorsPart::project_out(Index begin, Index end, const Columns& mass_weighted, Eigen::Ref<MatrixXd> block) {
+  auto part = part_.leftCols(block.cols());
+  scatter(mass_weighted, part);
+  MatrixXd coefficients = own_.between(begin, end).transpose() * part;
+  MPI_Allreduce(MPI_IN_PLACE, coefficients.data(), static_cast<int>(coefficients.size()), MPI_DOUBLE, MPI_SUM, ranks_);
+  part.noalias() = own_.between(begin, end) * coefficients;
+  for (Index column = 0; column < block.cols(); ++column) {
+    gather(part_, column, whole_.data());
+    block.col(column) -= whole_;
+  }
+  return coefficients;
+}
+
+void VectorsPart::combination(const Columns& weights, Eigen::Ref<MatrixXd> block) const {
+  part_.leftCols(weights.cols()).noalias() = own_.between(0, weights.rows()) * on_all_ranks(weights);
+  for (Index column = 0; column < weights.cols(); ++column) gather(part_, column, block.col(column).data());
+}
+
+void VectorsPart::follow(const Order& order) {
+  const auto [job, first, second, third] = order.arguments;
+  MatrixXd no_rows(0, widest);
+  switch (static_cast<VectorsJob>(job)) {
+    case VectorsJob::reserve:
+      reserve(first);
+      break;
+    case VectorsJob::put:
+      put(first, no_rows.leftCols(second));
+      break;
+    case VectorsJob::project_out:
+      project_out(first, second, no_rows.leftCols(third), no_rows.leftCols(third));
+      break;
+    case VectorsJob::combination:
+      combination(MatrixXd(first, second), no_rows.leftCols(second));
+      break;
+    case VectorsJob::combine:
+      combine(MatrixXd(first, second));
+      break;
+  }
+}
+
+// A column is a message, so that no count or place exceeds the number of rows, which is an int.
+void VectorsPart::scatter(const Columns& block, Eigen::Ref<MatrixXd> part) const {
+  for (Index column = 0; column < block.cols(); ++column)
+    MPI_Scatterv(block.col(column).data(), rows_.data(), first_row_.data(), MPI_DOUBLE, part.col(column).data(),
+                 static_cast<int>(part.rows()), MPI_DOUBLE, 0, ranks_);
+}
+
+void VectorsPart::gather(const MatrixXd& part, Index column, double* whole) const {
+  MPI_Gatherv(part.col(column).data(), static_cast<int>(part.rows()), MPI_DOUBLE, whole, rows_.data(),
+              first_row_.data(), MPI_DOUBLE, 0, ranks_);
+}
+
+MatrixXd VectorsPart::on_all_ranks(MatrixXd weights) const {
+  MPI_Bcast(weights.data(), static_cast<int>(weights.size()), MPI_DOUBLE, 0, ranks_);
+  return weights;
+}
+
+}  // namespace kalfem::distributed
