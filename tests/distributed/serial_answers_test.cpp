@@ -46,9 +46,9 @@ RitzPairs restarted(const LinearModel& model, Index count, MatrixXd& vectors) {
   const StiffnessFactor factor = factor_stiffness(model.stiffness, model.mass);
   BlockLanczos lanczos(factor, model.mass, 4, 40);
   lanczos.restart_at_random();
-  for (int restarts = 0; restarts < 20; ++restarts) {
+  for (int restarts = 0; restarts < 10; ++restarts) {
     while (!lanczos.full()) lanczos.step();
-    if (restarts + 1 < 20) lanczos.compress(lanczos.pairs(), 2 * count);
+    if (restarts + 1 < 10) lanczos.compress(lanczos.pairs(), 2 * count);
   }
   RitzPairs pairs = lanczos.pairs();
   vectors = lanczos.vectors(pairs, count);

@@ -28,7 +28,7 @@ private:
   Service& service_;
   int number_;
   Eigen::Index rows_;
-  VectorsPart own_;
+  mutable VectorsPart own_;  ///< with room for a block on its way
 };
 
 }  // namespace kalfem::distributed

@@ -1,5 +1,6 @@
 #include "kalfem/distributed/vectors_part.hpp"
 
+#include <array>
 #include <new>
 #include <numeric>
 
@@ -9,6 +10,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 
 namespace {
+
+using Requests = std::array<MPI_Request, VectorsPart::widest>;
 
 int rank_in(MPI_Comm ranks) {
   int rank = 0;
@@ -37,9 +40,10 @@ VectorsPart::VectorsPart(MPI_Comm ranks, Index rows)
     : ranks_(ranks),
       rows_(shares(ranks, rows)),
       first_row_(starts(rows_)),
-      own_(rows_[static_cast<std::size_t>(rank_in(ranks))]),
+      rank_(rank_in(ranks)),
+      own_(rows_[static_cast<std::size_t>(rank_)]),
       part_(own_.rows(), widest),
-      whole_(rank_in(ranks) == 0 ? rows : 0) {}
+      whole_(on_rank_0() ? rows : 0) {}
 
 bool VectorsPart::reserve(Index capacity) {
   int found = 1;
@@ -62,16 +66,13 @@ MatrixXd VectorsPart::project_out(Index begin, Index end, const Columns& mass_we
   MatrixXd coefficients = own_.between(begin, end).transpose() * part;
   MPI_Allreduce(MPI_IN_PLACE, coefficients.data(), static_cast<int>(coefficients.size()), MPI_DOUBLE, MPI_SUM, ranks_);
   part.noalias() = own_.between(begin, end) * coefficients;
-  for (Index column = 0; column < block.cols(); ++column) {
-    gather(part_, column, whole_.data());
-    block.col(column) -= whole_;
-  }
+  gather(block.cols(), [&](Index column) { block.col(column) -= whole_; });
   return coefficients;
 }
 
-void VectorsPart::combination(const Columns& weights, Eigen::Ref<MatrixXd> block) const {
+void VectorsPart::combination(const Columns& weights, Eigen::Ref<MatrixXd> block) {
   part_.leftCols(weights.cols()).noalias() = own_.between(0, weights.rows()) * on_all_ranks(weights);
-  for (Index column = 0; column < weights.cols(); ++column) gather(part_, column, block.col(column).data());
+  gather(weights.cols(), [&](Index column) { block.col(column) = whole_; });
 }
 
 void VectorsPart::follow(const Order& order) {
@@ -96,16 +97,27 @@ void VectorsPart::follow(const Order& order) {
   }
 }
 
-// A column is a message, so that no count or place exceeds the number of rows, which is an int.
+// A column is a message, so that no count or place exceeds the number of rows, which is an int; the columns of a block
+// are under way together.
 void VectorsPart::scatter(const Columns& block, Eigen::Ref<MatrixXd> part) const {
+  Requests requests;
   for (Index column = 0; column < block.cols(); ++column)
-    MPI_Scatterv(block.col(column).data(), rows_.data(), first_row_.data(), MPI_DOUBLE, part.col(column).data(),
-                 static_cast<int>(part.rows()), MPI_DOUBLE, 0, ranks_);
+    MPI_Iscatterv(block.col(column).data(), rows_.data(), first_row_.data(), MPI_DOUBLE, part.col(column).data(),
+                  static_cast<int>(part.rows()), MPI_DOUBLE, 0, ranks_, &requests[column]);
+  MPI_Waitall(static_cast<int>(block.cols()), requests.data(), MPI_STATUSES_IGNORE);
 }
 
-void VectorsPart::gather(const MatrixXd& part, Index column, double* whole) const {
-  MPI_Gatherv(part.col(column).data(), static_cast<int>(part.rows()), MPI_DOUBLE, whole, rows_.data(),
-              first_row_.data(), MPI_DOUBLE, 0, ranks_);
+template <class Use>
+void VectorsPart::gather(Index columns, const Use& use) {
+  Requests requests;
+  for (Index column = 0; column < columns; ++column) {
+    MPI_Igatherv(part_.col(column).data(), static_cast<int>(part_.rows()), MPI_DOUBLE, whole_.data(), rows_.data(),
+                 first_row_.data(), MPI_DOUBLE, 0, ranks_, &requests[column]);
+    if (!on_rank_0()) continue;
+    MPI_Wait(&requests[column], MPI_STATUS_IGNORE);
+    use(column);
+  }
+  MPI_Waitall(static_cast<int>(columns), requests.data(), MPI_STATUSES_IGNORE);
 }
 
 MatrixXd VectorsPart::on_all_ranks(MatrixXd weights) const {

@@ -34,7 +34,7 @@ public:
   void put(Eigen::Index place, const Columns& block);
   Eigen::MatrixXd project_out(Eigen::Index begin, Eigen::Index end, const Columns& mass_weighted,
                               Eigen::Ref<Eigen::MatrixXd> block);
-  void combination(const Columns& weights, Eigen::Ref<Eigen::MatrixXd> block) const;
+  void combination(const Columns& weights, Eigen::Ref<Eigen::MatrixXd> block);
   void combine(const Columns& weights) { own_.combine(on_all_ranks(weights)); }
 
   /// A worker's part in what rank 0 has ordered: a job and its arguments.
@@ -44,14 +44,19 @@ public:
 
 private:
   void scatter(const Columns& block, Eigen::Ref<Eigen::MatrixXd> part) const;
-  void gather(const Eigen::MatrixXd& part, Eigen::Index column, double* whole) const;
+  /// On rank 0: calls `use` for each column of the parts, while `whole_` has all its rows.
+  template <class Use>
+  void gather(Eigen::Index columns, const Use& use);
   [[nodiscard]] Eigen::MatrixXd on_all_ranks(Eigen::MatrixXd weights) const;
+
+  [[nodiscard]] bool on_rank_0() const { return rank_ == 0; }
 
   MPI_Comm ranks_;
   std::vector<int> rows_, first_row_;  ///< of each rank
+  int rank_;
   VectorsInMemory own_;
-  mutable Eigen::MatrixXd part_;  ///< this rank's rows of a block
-  Eigen::VectorXd whole_;         ///< a column of a block; on rank 0 only
+  Eigen::MatrixXd part_;   ///< this rank's rows of a block
+  Eigen::VectorXd whole_;  ///< a column of a block, on rank 0 only
 };
 
 }  // namespace kalfem::distributed

@@ -27,15 +27,23 @@ void remove_kept(MatrixXd& shapes, const MatrixXd& kept, const SparseMatrix& mas
   for (int pass = 0; pass < 2; ++pass) shapes -= kept * (kept.transpose() * (mass * shapes));
 }
 
-/// Shapes that make up for the fixed-interface modes Phi that were left out [DNW97]: what the interior does
-/// quasi-statically under the inertia forces of unit boundary accelerations, less the kept modes' part of it,
+/// K_ii^-1 (M_ii Psi + M_ib), n_i x n_b: what the interior does quasi-statically under the inertia forces of unit
+/// boundary accelerations.
+MatrixXd inertia_response(const Partition& parts, const SparseMatrix& mass_ib, const MatrixXd& constraint_modes,
+                          const SparseFactor& stiffness) {
+  MatrixXd response = parts.mass_ii * constraint_modes;
+  response += mass_ib;
+  stiffness.solve(response, response);
+  return response;
+}
+
+/// Shapes that make up for the fixed-interface modes Phi that were left out [DNW97]: the inertia response less the kept
+/// modes' part of it,
 ///     X = (1 - Phi Phi^T M_ii) K_ii^-1 (M_ii Psi + M_ib),
 /// made mass-normalised and uncoupled, so that they read as further modes (vectors n_i x at most n_b, values
 /// [(rad/s)^2] above those of the kept modes). Columns that add nothing are dropped: none are left where all modes are
 /// kept. What is left of a column may be small, as its part in mode j falls with 1 / lambda_j, and counts all the same.
-LowestModes augmentation_vectors(const Partition& parts, const SparseMatrix& mass_ib, const MatrixXd& constraint_modes,
-                                 const MatrixXd& kept, const SparseFactor& stiffness) {
-  MatrixXd shapes = stiffness.solve(MatrixXd(parts.mass_ii * constraint_modes + MatrixXd(mass_ib)));
+LowestModes augmentation_vectors(const Partition& parts, MatrixXd shapes, const MatrixXd& kept) {
   const VectorXd sizes = lengths(shapes, parts.mass_ii);
   remove_kept(shapes, kept, parts.mass_ii);
   const VectorXd left = lengths(shapes, parts.mass_ii);
@@ -58,12 +66,8 @@ std::vector<std::string> reduced_names(const std::vector<std::string>& boundary,
   return names;
 }
 
-/// The kept modes with the modal truncation augmentation vectors behind them, where they are wanted.
-LowestModes completed_modes(const LinearModel& model, const Partition& parts, const MatrixXd& static_part,
-                            LowestModes kept, const SparseFactor& stiffness, bool with_truncation) {
-  if (!with_truncation || parts.boundary.empty()) return kept;
-  const auto further = augmentation_vectors(parts, select(model.mass, parts.interior, parts.boundary), static_part,
-                                            kept.vectors, stiffness);
+/// The kept modes with the further ones behind them.
+LowestModes appended(LowestModes kept, const LowestModes& further) {
   const Index count = kept.values.size() + further.values.size();
   kept.values.conservativeResize(count);
   kept.values.tail(further.values.size()) = further.values;
@@ -84,6 +88,30 @@ EliminationOrder order_for(const Partition& parts, const ReductionOptions& optio
   return order;
 }
 
+/// All that K_ii is solved for; its factor, in memory larger than the rest of a reduction, ends with it.
+struct InteriorSolutions {
+  MatrixXd constraint_modes;  ///< Psi, n_i x n_b
+  SelectedModes kept;         ///< Phi
+  MatrixXd inertia_response;  ///< n_i x n_b; without columns where no augmentation vectors are wanted
+  double factor_bytes = 0.0;
+  EliminationOrder order;
+};
+
+InteriorSolutions solve_interior(const LinearModel& model, const Partition& parts,
+                                 const std::vector<std::string>& names, const ReductionOptions& options) {
+  const StiffnessFactor factored =
+      factor_stiffness(parts.stiffness_ii, parts.mass_ii, parts.interior_names, order_for(parts, options));
+  InteriorSolutions solutions{.factor_bytes = factored.factor.bytes(), .order = factored.factor.order()};
+  MatrixXd& constraint = solutions.constraint_modes;
+  constraint = constraint_modes(parts, factored, rigid_body_modes(parts, factored));
+  solutions.kept = select_modes(parts, constraint * translations(names), factored, options.modes);
+  solutions.inertia_response =
+      options.augmentation_vectors
+          ? inertia_response(parts, select(model.mass, parts.interior, parts.boundary), constraint, factored.factor)
+          : MatrixXd(constraint.rows(), 0);
+  return solutions;
+}
+
 // Craig and Bampton [CB68], with the interior i and the boundary b:
 //   1. factor K_ii + shift M_ii, in the whole model's order where that is known; a free interior has rigid-body modes,
 //      which the constraint modes leave out;
@@ -91,35 +119,33 @@ EliminationOrder order_for(const Partition& parts, const ReductionOptions& optio
 //   3. fixed-interface modes K_ii Phi = M_ii Phi Lambda, as many as the options ask for;
 //   4. modal truncation augmentation vectors [DNW97] behind them, where they are wanted;
 //   5. project on T = [Psi Phi; 1 0].
-/// The superelement without its comparison with the full model; what belongs to the interior alone, its matrices and
-/// their factor, ends here.
+/// The superelement without its comparison with the full model; what belongs to the interior alone ends here.
 Superelement reduced(const LinearModel& model, const std::vector<std::string>& names, const ReductionOptions& options) {
   const Partition parts = partition(model, names);
-  const StiffnessFactor factored =
-      factor_stiffness(parts.stiffness_ii, parts.mass_ii, parts.interior_names, order_for(parts, options));
-  const MatrixXd static_part = constraint_modes(parts, factored, rigid_body_modes(parts, factored));
-  SelectedModes selected = select_modes(parts, static_part * translations(names), factored, options.modes);
-  const VectorXd kept = natural_frequencies(selected.modes.values);
+  InteriorSolutions solved = solve_interior(model, parts, names, options);
+  const VectorXd kept = natural_frequencies(solved.kept.modes.values);
 
   Superelement element;
   ReductionErrorIndicators& error_indicators = element.error_indicators;
-  error_indicators.static_error = static_error(parts, static_part);
+  error_indicators.static_error = static_error(parts, solved.constraint_modes);
   error_indicators.fixed_interface_frequencies = kept;
   error_indicators.highest_kept = kept.size() > 0 ? kept.tail(1)[0] : 0.0;
-  error_indicators.next_left_out = natural_frequencies(VectorXd::Constant(1, selected.modes.next.value_or(0.0)))[0];
-  error_indicators.rigid_modes = selected.rigid;
-  error_indicators.reason = selected.reason;
-  error_indicators.factor_bytes = factored.factor.bytes();
-  error_indicators.order = factored.factor.order();
-  error_indicators.solves = selected.modes.solves + static_part.cols();
+  error_indicators.next_left_out = natural_frequencies(VectorXd::Constant(1, solved.kept.modes.next.value_or(0.0)))[0];
+  error_indicators.rigid_modes = solved.kept.rigid;
+  error_indicators.reason = solved.kept.reason;
+  error_indicators.factor_bytes = solved.factor_bytes;
+  error_indicators.order = std::move(solved.order);
+  error_indicators.solves = solved.kept.modes.solves + solved.constraint_modes.cols();
 
-  const LowestModes modes = completed_modes(model, parts, static_part, std::move(selected.modes), factored.factor,
-                                            options.augmentation_vectors);
-  const Index further = modes.values.size() - kept.size();
-  if (further > 0) error_indicators.reason += ", " + std::to_string(further) + " modal truncation augmentation vectors";
+  const LowestModes further =
+      augmentation_vectors(parts, std::move(solved.inertia_response), solved.kept.modes.vectors);
+  if (further.values.size() > 0)
+    error_indicators.reason += ", " + std::to_string(further.values.size()) + " modal truncation augmentation vectors";
+  const LowestModes modes = appended(std::move(solved.kept.modes), further);
   element.boundary = parts.boundary;
-  element.basis = transformation(parts, static_part, modes.vectors);
-  element.model = projected_model(model, element.basis, modes.values, reduced_names(names, kept.size(), further));
+  element.basis = transformation(parts, solved.constraint_modes, modes.vectors);
+  element.model =
+      projected_model(model, element.basis, modes.values, reduced_names(names, kept.size(), further.values.size()));
   return element;
 }
 

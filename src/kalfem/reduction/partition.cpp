@@ -76,22 +76,23 @@ MatrixXd solve_supported(const Partition& parts, const MatrixXd& loads, const Ma
 
 }  // namespace
 
-MatrixXd interior_response(const Partition& parts, const StiffnessFactor& factored, const MatrixXd& loads,
+MatrixXd interior_response(const Partition& parts, const StiffnessFactor& factored, MatrixXd loads,
                            const MatrixXd& rigid_modes) {
-  return factored.regular() ? factored.factor.solve(loads) : solve_supported(parts, loads, rigid_modes);
+  if (!factored.regular()) return solve_supported(parts, loads, rigid_modes);
+  factored.factor.solve(loads, loads);
+  return loads;
 }
 
 MatrixXd constraint_modes(const Partition& parts, const StiffnessFactor& factored, const MatrixXd& rigid_modes) {
-  return interior_response(parts, factored, -MatrixXd(parts.stiffness_ib), rigid_modes);
+  return interior_response(parts, factored, MatrixXd(-parts.stiffness_ib), rigid_modes);
 }
 
 double static_error(const Partition& parts, const MatrixXd& modes) {
   if (modes.size() == 0) return 0.0;
-  const MatrixXd unbalanced = parts.stiffness_ii * modes + parts.stiffness_ib;
   double largest = 0.0;
   for (Index j = 0; j < modes.cols(); ++j)
-    if (const double load = parts.stiffness_ib.col(j).norm(); load > 0.0)
-      largest = std::max(largest, unbalanced.col(j).norm() / load);
+    if (const VectorXd load = parts.stiffness_ib.col(j); load.norm() > 0.0)
+      largest = std::max(largest, (parts.stiffness_ii * modes.col(j) + load).norm() / load.norm());
   return largest;
 }
 

@@ -23,7 +23,7 @@ Partition partition(const LinearModel& model, const std::vector<std::string>& bo
 /// U with K_ii U = F: how the interior follows static loads F, n_i x k, while the boundary is held. Where K_ii was
 /// shifted because it may be singular, F must be in equilibrium (R^T F = 0 with the M_ii-normalised rigid-body modes R,
 /// n_i x r, r may be 0), and R^T M_ii U = 0 holds.
-Eigen::MatrixXd interior_response(const Partition& parts, const StiffnessFactor& factored, const Eigen::MatrixXd& loads,
+Eigen::MatrixXd interior_response(const Partition& parts, const StiffnessFactor& factored, Eigen::MatrixXd loads,
                                   const Eigen::MatrixXd& rigid_modes);
 
 /// Psi with K_ii Psi = -K_ib, n_i x n_b: how the interior follows unit displacements of the boundary statically. Where
