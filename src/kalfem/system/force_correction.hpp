@@ -160,8 +160,8 @@ private:
 
   CorrectionJudgement (*correct_)(const ForceIterate&, ForceCorrection&) = nullptr;
   void (*move_)(const ForceIterate&, Eigen::Index, Eigen::Index) = nullptr;
-  std::vector<double, Eigen::aligned_allocator<double>>
-      lane_storage_;  ///< for a number of connectors that has no kernel of its own
+  /// For a number of connectors that has no kernel of its own.
+  std::vector<double, Eigen::aligned_allocator<double>> lane_storage_;
   Eigen::MatrixXd jacobian_;
   Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
   Eigen::VectorXd one_residual_, one_correction_;
