@@ -321,5 +321,40 @@ TEST(TurnedDeck, KeepsItsSupportsSpringsAndLoads) {
   EXPECT_LT(turned.statics->cases[0].solution.imbalance, 1e-9);
 }
 
+/// Two clamped plates of one mesh, their corners joined by a spring.
+class AlikePlates : public JoinedPlate {
+protected:
+  /// `other`: what the second plate says in the place of its corner, `end`: where the spring ends on it.
+  [[nodiscard]] std::string two_plates(const std::string& other, const std::string& end = "corner.z") const {
+    const auto plate = [&](const std::string& nodes) {
+      return "    " + elements(folder_ / "left.msh", ", fixed: {clamp: {nodes: root}}, nodes: " + nodes) +
+             "\n    reduction: {up_to: 1000 Hz}\n";
+    };
+    return "kalfem: 1\nsubstructures:\n  one:\n" + plate("{corner: [0.5, 0, 0]}") + "  other:\n" + plate(other) +
+           "connectors: {spring: {from: one.corner.z, to: other." + end +
+           ", law: linear, parameters: {k: 1e3, c: 1}}}\n";
+  }
+};
+
+TEST_F(AlikePlates, AreMadeOnce) {
+  const Study study = study_of(two_plates("{corner: [0.5, 0, 0]}"));
+  const auto& parts = study.structure->finite_elements;
+  ASSERT_EQ(parts.size(), 2u);
+  EXPECT_EQ(parts[0].part->name, "one");
+  EXPECT_EQ(parts[1].part->name, "other");
+  EXPECT_EQ(parts[0].reduced, parts[1].reduced);
+  // a further node changes the description, and no number
+  const Study apart = study_of(two_plates("{corner: [0.5, 0, 0], further: [0.5, 0.5, 0]}"));
+  EXPECT_NE(apart.structure->finite_elements[0].reduced, apart.structure->finite_elements[1].reduced);
+  EXPECT_EQ(frequencies_of(study.structure->parts, 20), frequencies_of(apart.structure->parts, 20));
+}
+
+TEST_F(AlikePlates, AreMadeEachWhereTheyAreTouchedElsewhere) {
+  const Study study = study_of(two_plates("{corner: [0.5, 0, 0]}", "corner.rx"));
+  const auto& parts = study.structure->finite_elements;
+  EXPECT_EQ(parts[1].part->boundary, std::vector<std::string>{"corner.rx"});
+  EXPECT_NE(parts[0].reduced, parts[1].reduced);
+}
+
 }  // namespace
 }  // namespace kalfem::test

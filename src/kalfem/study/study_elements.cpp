@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 
 #include "kalfem/base/stopwatch.hpp"
+#include "kalfem/casefile/case_schema.hpp"
 #include "kalfem/study/assembly.hpp"
 #include "kalfem/study/candidate_nodes.hpp"
 #include "kalfem/study/finite_element_part.hpp"
@@ -65,6 +67,50 @@ void warn_of_notes(const ElementNotes& part, std::vector<std::string>& warnings)
                        " kinds of entries that kalfem ignores; `kalfem check` lists them");
 }
 
+/// Finite-element substructures that the case describes alike, and of which its other sections touch the same, are
+/// read, assembled and reduced once: four suspension arms of one deck.
+class MadeParts {
+public:
+  struct Made {
+    FiniteElementSubstructure elements;
+    std::vector<DeckNote> notes;
+  };
+
+  /// Empty where none can be like it: static load cases and places of sensors name their substructure.
+  [[nodiscard]] std::string description_of(const d::Case& given, const d::Substructure& substructure,
+                                           const PartUses& uses) const {
+    if (given.place || uses.statics != nullptr) return {};
+    std::string words = to_yaml(*schema_.write(substructure));
+    for (const auto* names : {&uses.attached, &uses.parameters}) {
+      words += "\n---";
+      for (const auto& name : *names) words += "\n" + name;
+    }
+    for (const auto& group : uses.joined) words += "\n" + group.value;
+    return words;
+  }
+
+  [[nodiscard]] const Made* find(const std::string& description) const {
+    const auto made = made_.find(description);
+    return made == made_.end() ? nullptr : &made->second;
+  }
+
+  void add(const std::string& description, Made made) {
+    if (!description.empty()) made_.emplace(description, std::move(made));
+  }
+
+private:
+  Schema<d::Substructure> schema_ = d::substructure();
+  std::map<std::string, Made> made_;
+};
+
+FiniteElementSubstructure under_name(const std::string& name, FiniteElementSubstructure elements) {
+  auto part = std::make_shared<FiniteElementPart>(*elements.part);
+  part->name = name;
+  part->times = {};
+  elements.part = std::move(part);
+  return elements;
+}
+
 /// Superelement files need a reduced substructure.
 void check_superelement_files(const StructureModel& structure, CaseStudy& study, IssueList& issues) {
   const auto& files = study.given.report.superelements;
@@ -100,6 +146,7 @@ void add_finite_elements(StructureModel& structure, CaseStudy& study, const Prog
   const auto all = std::ranges::count_if(study.given.substructures,
                                          [](const auto& each) { return each.second.finite_elements.has_value(); });
   std::ptrdiff_t done = 0;
+  MadeParts made;
   for (const auto& [name, given] : study.given.substructures) {
     if (!given.finite_elements) continue;
     if (progress)
@@ -107,13 +154,19 @@ void add_finite_elements(StructureModel& structure, CaseStudy& study, const Prog
                static_cast<double>(done) / static_cast<double>(all));
     ++done;
     try {
-      auto [part, notes, warnings] = make_finite_element_part(name, given,
-                                                              {.attached = attached_points(study.given, name),
-                                                               .joined = joined_groups(study.given, name),
-                                                               .parameters = changing_parameters(study.given, name),
-                                                               .statics = statics_of(study.given, name),
-                                                               .at_present_values = !tries_parameters(study.given)});
-      study.element_notes.push_back({name, std::move(notes)});
+      const PartUses uses{.attached = attached_points(study.given, name),
+                          .joined = joined_groups(study.given, name),
+                          .parameters = changing_parameters(study.given, name),
+                          .statics = statics_of(study.given, name),
+                          .at_present_values = !tries_parameters(study.given)};
+      const std::string description = all > 1 ? made.description_of(study.given, given, uses) : "";
+      if (const auto* alike = made.find(description)) {
+        study.element_notes.push_back({name, alike->notes});
+        structure.finite_elements.push_back(under_name(name, alike->elements));
+        continue;
+      }
+      auto [part, notes, warnings] = make_finite_element_part(name, given, uses);
+      study.element_notes.push_back({name, notes});
       warn_of_notes(study.element_notes.back(), study.warnings);
       for (const auto& warning : warnings) study.warnings.push_back("substructure '" + name + "': " + warning);
       add_candidate_points(study.given, part);
@@ -132,6 +185,7 @@ void add_finite_elements(StructureModel& structure, CaseStudy& study, const Prog
                 reduce_up_to(*elements.part, study.given.simulate->modes_up_to));
           });
       }
+      made.add(description, {elements, std::move(notes)});
       structure.finite_elements.push_back(std::move(elements));
     } catch (const InvalidInput& error) {
       add_at(given.finite_elements->location(), error, issues);
