@@ -324,10 +324,12 @@ TEST(TurnedDeck, KeepsItsSupportsSpringsAndLoads) {
 /// Two clamped plates of one mesh, their corners joined by a spring.
 class AlikePlates : public JoinedPlate {
 protected:
+  AlikePlates() { write_plate(folder_ / "plate.msh", {0.0, 0.5, "root", ""}); }
+
   /// `other`: what the second plate says in the place of its corner, `end`: where the spring ends on it.
   [[nodiscard]] std::string two_plates(const std::string& other, const std::string& end = "corner.z") const {
     const auto plate = [&](const std::string& nodes) {
-      return "    " + elements(folder_ / "left.msh", ", fixed: {clamp: {nodes: root}}, nodes: " + nodes) +
+      return "    " + elements(folder_ / "plate.msh", ", fixed: {clamp: {nodes: root}}, nodes: " + nodes) +
              "\n    reduction: {up_to: 1000 Hz}\n";
     };
     return "kalfem: 1\nsubstructures:\n  one:\n" + plate("{corner: [0.5, 0, 0]}") + "  other:\n" + plate(other) +
@@ -352,7 +354,7 @@ TEST_F(AlikePlates, AreMadeOnce) {
 TEST_F(AlikePlates, AreMadeEachWhereTheyAreTouchedElsewhere) {
   const Study study = study_of(two_plates("{corner: [0.5, 0, 0]}", "corner.rx"));
   const auto& parts = study.structure->finite_elements;
-  EXPECT_EQ(parts[1].part->boundary, std::vector<std::string>{"corner.rx"});
+  EXPECT_NE(parts[0].part->boundary, parts[1].part->boundary);
   EXPECT_NE(parts[0].reduced, parts[1].reduced);
 }
 
