@@ -12,7 +12,7 @@ namespace {
 
 Schema<double> length() { return number("m", plausible::length()); }
 Schema<double> factor() { return number("-", Bounds::nonnegative()); }
-Schema<std::vector<std::string>> directions() { return list(word({"x", "y", "z", "rx", "ry", "rz"}), 1); }
+Schema<std::vector<std::string>> directions() { return list(word({"x", "y", "z", "rx", "ry", "rz"})); }
 
 Schema<Material> material() {
   return mapping(
