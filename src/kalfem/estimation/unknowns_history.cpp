@@ -1,7 +1,6 @@
 #include "kalfem/estimation/unknowns_history.hpp"
 
 #include "kalfem/linalg/scaled_inverse.hpp"
-#include "kalfem/statistics/repeated_inverse.hpp"
 
 namespace kalfem {
 
@@ -14,7 +13,7 @@ Scores scores_of(const UnknownsHistory& history) {
   const MatrixXd& covariance = history.covariance.back();
   const Index samples = static_cast<Index>(history.mean.size()) - 1;
   Scores scores{MatrixXd(last.size(), samples), MatrixXd(last.size(), samples)};
-  RepeatedInverse inverse;
+  ScaledInverse inverse;
   VectorXd weighed, known, weighed_before, known_before;
   for (std::size_t k = 0; k < history.mean.size(); ++k) {
     const MatrixXd& information = inverse(history.covariance[k]);

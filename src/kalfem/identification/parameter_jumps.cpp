@@ -7,7 +7,6 @@
 
 #include "kalfem/identification/robust_deviations.hpp"
 #include "kalfem/linalg/scaled_inverse.hpp"
-#include "kalfem/statistics/repeated_inverse.hpp"
 #include "kalfem/verdict/verdict.hpp"
 
 namespace kalfem {
@@ -41,7 +40,7 @@ std::vector<Hint> hints_of(const UnknownsHistory& history, Index first) {
   const VectorXd whole = (scaled_inverse(last) - prior).diagonal();
   const VectorXd start = prior * (history.mean.front() - history.mean.back());
   std::vector<Hint> hints(history.unknowns.size());
-  RepeatedInverse inverse;
+  ScaledInverse inverse;
   MatrixXd gained;
   VectorXd score, variance;
   for (std::size_t k = 1; k + 1 < history.mean.size(); ++k) {

@@ -1,8 +1,6 @@
-#include "kalfem/statistics/repeated_inverse.hpp"
+#include "kalfem/linalg/scaled_inverse.hpp"
 
 #include <gtest/gtest.h>
-
-#include "kalfem/linalg/scaled_inverse.hpp"
 
 namespace kalfem {
 namespace {
@@ -17,8 +15,8 @@ MatrixXd covariance_of(double correlation) {
   return deviation.asDiagonal() * covariance * deviation.asDiagonal();
 }
 
-TEST(RepeatedInverse, IsThatOfEachCovarianceAlone) {
-  RepeatedInverse inverse;
+TEST(ScaledInverse, IsThatOfEachCovarianceAlone) {
+  ScaledInverse inverse;
   for (const double correlation : {0.0, 0.9, -0.3}) {
     const MatrixXd covariance = covariance_of(correlation);
     EXPECT_EQ(inverse(covariance), scaled_inverse(covariance));
@@ -26,8 +24,8 @@ TEST(RepeatedInverse, IsThatOfEachCovarianceAlone) {
   }
 }
 
-TEST(RepeatedInverse, TakesAnotherSize) {
-  RepeatedInverse inverse;
+TEST(ScaledInverse, TakesAnotherSize) {
+  ScaledInverse inverse;
   EXPECT_EQ(inverse(covariance_of(0.5)).rows(), 3);
   EXPECT_EQ(inverse(MatrixXd::Constant(1, 1, 4.0))(0, 0), 0.25);
 }
