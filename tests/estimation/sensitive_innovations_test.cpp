@@ -31,19 +31,22 @@ UnknownsHistory history_of(Index samples) {
   const VectorXd prior{{1.0, 0.5}};
   VectorXd mean = prior;
   MatrixXd covariance = MatrixXd::Identity(2, 2);
-  history.mean.push_back(mean);
-  history.covariance.push_back(covariance);
+  history.mean.resize(2, samples + 1);
+  history.covariance.resize(2, 2 * (samples + 1));
+  history.mean.col(0) = mean;
+  history.covariance_at(0) = covariance;
   history.at_prior.resize(1, samples);
+  history.slope.resize(2, samples);
   history.deviation = MatrixXd::Constant(1, samples, noise);
   for (Index k = 0; k < samples; ++k) {
     const VectorXd h = slope_at(k);
-    history.slope.emplace_back(h);
+    history.slope_at(k) = h;
     history.at_prior(0, k) = measured_at(k) - h.dot(prior);
     const VectorXd gain = covariance * h / (h.dot(covariance * h) + noise * noise);
     mean += gain * (measured_at(k) - h.dot(mean));
     covariance -= gain * (covariance * h).transpose();
-    history.mean.push_back(mean);
-    history.covariance.push_back(covariance);
+    history.mean.col(k + 1) = mean;
+    history.covariance_at(k + 1) = covariance;
   }
   return history;
 }
@@ -56,7 +59,7 @@ TEST(SensitiveInnovations, AreTheResidualsAtTheLastEstimateAndTheirDerivatives) 
   ASSERT_EQ(found.derivative.size(), 2U);
   for (Index k = first; k < samples; ++k) {
     const VectorXd h = slope_at(k);
-    EXPECT_NEAR(found.value(0, k - first), (measured_at(k) - h.dot(history.mean.back())) / noise, 1e-12) << k;
+    EXPECT_NEAR(found.value(0, k - first), (measured_at(k) - h.dot(history.mean.col(history.last()))) / noise, 1e-12) << k;
     for (Index i = 0; i < 2; ++i)
       EXPECT_NEAR(found.derivative[static_cast<std::size_t>(i)](0, k - first), -h[i] / noise, 1e-12) << k;
   }
@@ -65,7 +68,7 @@ TEST(SensitiveInnovations, AreTheResidualsAtTheLastEstimateAndTheirDerivatives) 
 TEST(SensitiveInnovations, AreNoneWhereTheHistoryHoldsNone) {
   auto history = history_of(20);
   EXPECT_EQ(sensitive_innovations(history, 20).value.size(), 0);
-  history.slope.clear();
+  history.slope.resize(2, 0);
   EXPECT_EQ(sensitive_innovations(history, 0).value.size(), 0);
 }
 

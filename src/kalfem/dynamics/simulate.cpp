@@ -14,7 +14,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr Index input_block = 4096;    ///< steps whose inputs are sampled together
+constexpr Index input_block = 65536;   ///< steps whose inputs are sampled together
 constexpr Index progress_block = 256;  ///< steps between two reports of progress
 constexpr double most_steps = 1e10;
 constexpr double most_values = 2e9;  ///< stored, 16 GB

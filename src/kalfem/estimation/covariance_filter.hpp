@@ -18,7 +18,7 @@ public:
   FilterOutcome predict() override;
   FilterOutcome observe(Eigen::VectorXd& mean, Eigen::VectorXd* deviation) override;
 
-  Eigen::MatrixXd gain() const override { return gain_of(gain_, innovation_factor_); }
+  Eigen::MatrixXd gain() const override { return gain_from(gain_, innovation_factor_); }
   const Eigen::VectorXd& mean() const override { return estimate_.mean; }
   Eigen::VectorXd standard_deviation() const override;
   Eigen::MatrixXd covariance() const override { return estimate_.covariance.selfadjointView<Eigen::Lower>(); }

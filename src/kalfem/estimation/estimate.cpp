@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "kalfem/base/interruption.hpp"
 #include "kalfem/base/invalid_input.hpp"
@@ -9,6 +10,7 @@
 #include "kalfem/estimation/adaptive_filter.hpp"
 #include "kalfem/estimation/failure.hpp"
 #include "kalfem/estimation/filter_setup.hpp"
+#include "kalfem/estimation/history_keeper.hpp"
 #include "kalfem/statistics/quantiles.hpp"
 
 namespace kalfem {
@@ -19,8 +21,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr Index progress_block = 512;          ///< samples between two reports of progress
-constexpr Index largest_history = 10'000'000;  ///< numbers of the unknowns' covariances over a record
+constexpr Index progress_block = 512;  ///< samples between two reports of progress
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 /// The fewest variables that sigma points stand for: all states, or the arguments of a measurement.
@@ -74,6 +75,9 @@ public:
         setup_(std::make_unique<FilterSetup>(
             std::shared_ptr<const AugmentedModel>(std::shared_ptr<void>(), &augmented_model), input.noise, options)),
         linear_unknowns_(linear_unknowns(augmented_model.options())) {
+    const auto& layout = augmented_model.layout();
+    in_any_coordinates_.resize(static_cast<std::size_t>(layout.connector_states + layout.unknowns));
+    std::iota(in_any_coordinates_.begin(), in_any_coordinates_.end(), layout.linear);
     allocate();
     linearised_about_ = linear_estimate(augmented_model_, linear_unknowns_, result_.unknowns);
   }
@@ -83,8 +87,8 @@ public:
     result_.prior = prior;
     if (options_.adaptive_noise.any())
       adaptation_ = std::make_unique<NoiseAdaptation>(augmented_model_, input_, options_, prior, *setup_);
-    if (options_.keep_unknowns) begin_history(prior);
-    const Index samples = input_.measured.samples();
+    const Index samples = input_.measured.samples(), l = input_.measured.values.rows();
+    if (options_.keep_unknowns) history_.emplace(augmented_model_, prior, samples, l);
     watch_ = {};
     for (Index k = 0; k < samples; ++k) {
       stop_if_asked();
@@ -150,6 +154,7 @@ private:
   EstimationResult finish() {
     result_.final_covariance = model().physical_covariance(setup_->filter->covariance());
     if (adaptation_) result_.noise = adaptation_->finish();
+    if (history_) result_.unknowns_history = history_->take();
     if (result_.linearisations > 0) result_.augmented_model = setup_->augmented_model;
     return std::move(result_);
   }
@@ -177,7 +182,7 @@ private:
   FilterOutcome store(Index k) {
     store_innovation(k);
     store_state(k);
-    if (options_.keep_unknowns) store_unknowns(k);
+    if (history_) history_->keep(k, *setup_->filter, innovation_);
     const auto outcome = store_monitored(k);
     if (outcome == FilterOutcome::usable && options_.keep_gains) store_gain();
     return outcome;
@@ -205,7 +210,11 @@ private:
 
   void store_state(Index k) {
     const auto& layout = augmented_model_.layout();
-    result_.state.mean.col(k) = model().physical(setup_->filter->mean());
+    if (const VectorXd& mean = setup_->filter->mean();
+        options_.state_means || k + 1 == input_.measured.samples())
+      result_.state.mean.col(k) = model().physical(mean);
+    else
+      result_.state.mean(in_any_coordinates_, k) = mean(in_any_coordinates_);
     store_deviations(k);
     for (Index i = 0; i < layout.unknowns; ++i) {
       const auto& transform = augmented_model_.options().unknowns[static_cast<std::size_t>(i)].transform;
@@ -215,69 +224,16 @@ private:
     }
   }
 
-  /// The unknowns without random walk. Long histories of many unknowns are kept at some samples only.
-  void begin_history(const Gaussian& prior) {
-    auto& history = result_.unknowns_history;
-    const auto& unknowns = augmented_model_.options().unknowns;
-    for (std::size_t i = 0; i < unknowns.size(); ++i)
-      if (unknowns[i].random_walk == 0.0) history.unknowns.push_back(static_cast<Index>(i));
-    const auto count = static_cast<Index>(history.unknowns.size());
-    history.stride = 1 + input_.measured.samples() * count * count / largest_history;
-    constant_states_.clear();
-    for (const Index i : history.unknowns) constant_states_.push_back(augmented_model_.layout().unknown() + i);
-    history.mean.emplace_back(prior.mean(constant_states_));
-    history.covariance.emplace_back(prior.covariance(constant_states_, constant_states_));
-    const Index l = input_.measured.values.rows(), samples = input_.measured.samples();
-    keeps_slopes_ = count > 0 && samples * l * count <= largest_history;
-    if (!keeps_slopes_) return;
-    history.at_prior = history.deviation = MatrixXd::Constant(l, samples, not_a_number);
-    history.slope.reserve(static_cast<std::size_t>(samples));
-  }
-
-  /// What a filter that knows the constants would see, from the gain K of the update just made: P_theta,y = K S.
-  /// `covariance`: of the constants after it.
-  void store_slope(Index k, const MatrixXd& covariance) {
-    auto& history = result_.unknowns_history;
-    const auto& channels = innovation_.channels;
-    MatrixXd& slope =
-        history.slope.emplace_back(MatrixXd::Zero(std::ssize(constant_states_), input_.measured.values.rows()));
-    if (channels.empty()) return;
-    auto& [gain, cross, before, own, factor, moved, known] = slope_work_;
-    gain = setup_->filter->gain()(constant_states_, Eigen::all);
-    cross.noalias() = gain * innovation_.conditioned_covariance().selfadjointView<Eigen::Lower>();
-    before = covariance;
-    before.noalias() += gain * cross.transpose();
-    own = factor.compute(before).solve(cross);
-    slope(Eigen::all, channels) = own;
-    moved = setup_->filter->mean()(constant_states_) - gain * innovation_.conditioned_value() - history.mean.front();
-    known = innovation_.conditioned_covariance().diagonal() - own.cwiseProduct(cross).colwise().sum().transpose();
-    history.at_prior(channels, k) = innovation_.conditioned_value() + own.transpose() * moved;
-    history.deviation(channels, k) = known.cwiseMax(0.0).cwiseSqrt();
-  }
-
-  void store_unknowns(Index k) {
-    auto& history = result_.unknowns_history;
-    const bool is_point = (k + 1) % history.stride == 0 || k + 1 == input_.measured.samples();
-    if (!keeps_slopes_ && !is_point) return;
-    MatrixXd covariance = setup_->filter->covariance_of(constant_states_);
-    if (keeps_slopes_) store_slope(k, covariance);
-    if (!is_point) return;
-    history.mean.emplace_back(setup_->filter->mean()(constant_states_));
-    history.covariance.push_back(std::move(covariance));
-  }
-
-  /// Of all states, or only of those that have the same meaning in any coordinates.
+  /// Of all states, or only of unknowns and internal states.
   void store_deviations(Index k) {
-    const auto& layout = augmented_model_.layout();
     auto deviations = result_.state.deviation.col(k);
-    if (augmented_model_.options().coordinates == StateCoordinates::modal && options_.state_deviations) {
+    if (!options_.state_deviations)
+      deviations(in_any_coordinates_) =
+          setup_->filter->covariance_of(in_any_coordinates_).diagonal().cwiseMax(0.0).cwiseSqrt();
+    else if (augmented_model_.options().coordinates == StateCoordinates::modal)
       deviations = model().physical_covariance(setup_->filter->covariance()).diagonal().cwiseMax(0.0).cwiseSqrt();
-      return;
-    }
-    const VectorXd own = setup_->filter->standard_deviation();
-    const auto rows = options_.state_deviations ? Eigen::seqN(Index{0}, layout.size())
-                                                : Eigen::seqN(layout.linear, layout.connector_states + layout.unknowns);
-    deviations(rows) = own(rows);
+    else
+      deviations = setup_->filter->standard_deviation();
   }
 
   FilterOutcome store_monitored(Index k) {
@@ -323,13 +279,8 @@ private:
   std::unique_ptr<FilterSetup> setup_;
   std::unique_ptr<NoiseAdaptation> adaptation_;  ///< where the noise adapts
   std::vector<Index> linear_unknowns_;
-  std::vector<Index> constant_states_;  ///< places of the unknowns without random walk in the state
-  bool keeps_slopes_ = false;
-  struct {
-    MatrixXd gain, cross, before, own;  ///< of the constants: K, P_theta,y, P_theta before the update, D
-    Eigen::LDLT<MatrixXd> factor;       ///< of P_theta
-    VectorXd moved, known;
-  } slope_work_;
+  std::vector<Index> in_any_coordinates_;  ///< states that have the same meaning in all: internal ones and unknowns
+  std::optional<HistoryKeeper> history_;  ///< where it is kept
   LinearEstimate linearised_about_;
   Stopwatch watch_;
   Innovation innovation_;

@@ -160,7 +160,7 @@ void whiten(const Eigen::MatrixXd& lower, Eigen::VectorXd& vector) {
   }
 }
 
-Eigen::MatrixXd gain_of(const Eigen::MatrixXd& whitened_cross, const Eigen::MatrixXd& lower) {
+Eigen::MatrixXd gain_from(const Eigen::MatrixXd& whitened_cross, const Eigen::MatrixXd& lower) {
   constexpr Eigen::Index few = 16;  // columns; the general solution prepares blocks, which costs more than they do
   if (lower.cols() > few) return lower.triangularView<Eigen::Lower>().solve<Eigen::OnTheRight>(whitened_cross);
   Eigen::MatrixXd gain = whitened_cross;

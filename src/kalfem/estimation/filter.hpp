@@ -70,7 +70,7 @@ struct Innovation {
 void whiten(const Eigen::MatrixXd& lower, Eigen::VectorXd& vector);
 
 /// K = J L^-1 from J = P_xy L^-T, P_yy + R = L L^T.
-Eigen::MatrixXd gain_of(const Eigen::MatrixXd& whitened_cross, const Eigen::MatrixXd& lower);
+Eigen::MatrixXd gain_from(const Eigen::MatrixXd& whitened_cross, const Eigen::MatrixXd& lower);
 
 /// NIS and log-likelihood from the Cholesky factor L of the innovation's covariance and `whitened` = L^-1 value.
 void score(Innovation& innovation, const Eigen::MatrixXd& factor, const Eigen::VectorXd& whitened);
@@ -107,6 +107,10 @@ public:
   /// Gain K of the last update, x+ = x- + K Innovation::conditioned_value(), n x measured channels [state/output]. It
   /// holds until the next prediction.
   [[nodiscard]] virtual Eigen::MatrixXd gain() const = 0;
+  /// Its rows of these states alone, in their order.
+  [[nodiscard]] virtual Eigen::MatrixXd gain_of(const std::vector<Eigen::Index>& states) const {
+    return gain()(states, Eigen::all);
+  }
 
   [[nodiscard]] virtual const Eigen::VectorXd& mean() const = 0;
   [[nodiscard]] virtual Eigen::VectorXd standard_deviation() const = 0;

@@ -146,7 +146,7 @@ bool SquareRootFilter::iterate(const MatrixXd& noise, Innovation& innovation) {
 /// From the triangle [L_y 0; J S+] of the update.
 MatrixXd SquareRootFilter::gain() const {
   const Index n = mean_.size(), l = triangle_.rows() - n;
-  return gain_of(triangle_.bottomLeftCorner(n, l), triangle_.topLeftCorner(l, l));
+  return gain_from(triangle_.bottomLeftCorner(n, l), triangle_.topLeftCorner(l, l));
 }
 
 FilterOutcome SquareRootFilter::observe(VectorXd& mean, VectorXd* deviation) {

@@ -12,15 +12,30 @@ namespace kalfem {
 struct UnknownsHistory {
   std::vector<Eigen::Index> unknowns;  ///< places among all unknowns of those that stay constant (no random walk), c
   Eigen::Index stride = 1;             ///< samples from one point to the next
-  std::vector<Eigen::VectorXd> mean;   ///< of the prior and then of every point, in the filter's state, c
-  std::vector<Eigen::MatrixXd> covariance;  ///< beside each, c x c
+  Eigen::MatrixXd mean;        ///< of the prior and then of every point, in the filter's state, c x points
+  Eigen::MatrixXd covariance;  ///< the same, beside each other, c x (c points)
 
   // Of every sample, unless the record is too long for it.
-  std::vector<Eigen::MatrixXd> slope;  ///< derivative of the predicted measurement by the constants, c x l
-  Eigen::MatrixXd at_prior;            ///< innovation of a filter that knows them to be the prior's mean, l x samples
-  Eigen::MatrixXd deviation;           ///< of the innovation of a filter that knows them, l x samples
+  Eigen::MatrixXd slope;      ///< derivatives D of the predicted measurements by the constants, c x (l samples)
+  Eigen::MatrixXd at_prior;   ///< innovation of a filter that knows them to be the prior's mean, l x samples
+  Eigen::MatrixXd deviation;  ///< of the innovation of a filter that knows them, l x samples
 
-  [[nodiscard]] bool empty() const { return unknowns.empty() || mean.size() < 2; }
+  [[nodiscard]] bool empty() const { return unknowns.empty() || points() < 2; }
+  [[nodiscard]] Eigen::Index points() const { return mean.cols(); }
+  [[nodiscard]] Eigen::Index last() const { return points() - 1; }
+  [[nodiscard]] auto covariance_at(Eigen::Index point) const {
+    return covariance.middleCols(point * mean.rows(), mean.rows());
+  }
+  [[nodiscard]] auto covariance_at(Eigen::Index point) {
+    return covariance.middleCols(point * mean.rows(), mean.rows());
+  }
+  [[nodiscard]] Eigen::Index samples_with_slopes() const { return at_prior.size() > 0 ? slope.cols() / at_prior.rows() : 0; }
+  [[nodiscard]] auto slope_at(Eigen::Index sample) const {
+    return slope.middleCols(sample * at_prior.rows(), at_prior.rows());
+  }
+  [[nodiscard]] auto slope_at(Eigen::Index sample) {
+    return slope.middleCols(sample * at_prior.rows(), at_prior.rows());
+  }
 };
 
 /// What each point of a history tells of the constant unknowns.

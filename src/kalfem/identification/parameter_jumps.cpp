@@ -36,19 +36,19 @@ struct Hint {
 
 /// The largest T of each constant unknown.
 std::vector<Hint> hints_of(const UnknownsHistory& history, Index first) {
-  const MatrixXd &last = history.covariance.back(), prior = scaled_inverse(history.covariance.front());
+  const MatrixXd last = history.covariance_at(history.last()), prior = scaled_inverse(history.covariance_at(0));
   const VectorXd whole = (scaled_inverse(last) - prior).diagonal();
-  const VectorXd start = prior * (history.mean.front() - history.mean.back());
+  const VectorXd estimate = history.mean.col(history.last()), start = prior * (history.mean.col(0) - estimate);
   std::vector<Hint> hints(history.unknowns.size());
   ScaledInverse inverse;
   MatrixXd gained;
   VectorXd score, variance;
-  for (std::size_t k = 1; k + 1 < history.mean.size(); ++k) {
-    const Index sample = static_cast<Index>(k) * history.stride;
+  for (Index k = 1; k < history.last(); ++k) {
+    const Index sample = k * history.stride;
     if (sample <= first) continue;
-    const MatrixXd& information = inverse(history.covariance[k]);
+    const MatrixXd& information = inverse(history.covariance_at(k));
     gained = information - prior;
-    score = information * (history.mean[k] - history.mean.back()) - start;
+    score = information * (history.mean.col(k) - estimate) - start;
     variance = (gained - gained * last * gained).diagonal();
     for (std::size_t i = 0; i < hints.size(); ++i) {
       const auto row = static_cast<Index>(i);
@@ -77,7 +77,7 @@ public:
   JumpSearch(const AugmentedModel& augmented_model, const FilterInput& input, EstimationOptions options, Index first)
       : augmented_model_(augmented_model), input_(input), options_(std::move(options)), first_(first) {
     options_.passes = 1;  // a further pass would begin with the value after the change
-    options_.keep_unknowns = false;
+    options_.keep_unknowns = options_.state_means = false;
     options_.monitored = {};
     options_.progress = {};
   }

@@ -69,7 +69,7 @@ public:
                 const EstimationOptions& options, const SubstepOptions& substeps)
       : problem_(problem), setup_(setup), record_(record), options_(options), substeps_(substeps) {
     options_.monitored = {};
-    options_.keep_unknowns = options_.keep_gains = options_.state_deviations = false;
+    options_.keep_unknowns = options_.keep_gains = options_.state_means = options_.state_deviations = false;
   }
 
   SubstepChoice from(const EstimationResult& first) {

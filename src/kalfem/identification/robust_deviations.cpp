@@ -14,7 +14,8 @@ namespace {
 
 /// Whether the innovations contradict the model, or widen a deviation along time already.
 bool contradicts_model(const RecordEstimate& estimate) {
-  const auto& stated = estimate.result.unknowns_history.covariance.back();
+  const auto& history = estimate.result.unknowns_history;
+  const auto stated = history.covariance_at(history.last());
   for (Index i = 0; i < stated.rows(); ++i)
     if (estimate.robust.covariance(i, i) > suspicious_widening * suspicious_widening * stated(i, i)) return true;
   return std::ranges::any_of(innovation_reasons(innovations_of(estimate)), [](const Reason& reason) {
@@ -68,7 +69,7 @@ void set_robust_deviations(RecordEstimate& estimate) {
     const Index unknown = history.unknowns[i], place = static_cast<Index>(i);
     const auto& transform = unknowns[static_cast<std::size_t>(unknown)].transform;
     estimate.robust_deviation[unknown] =
-        transform.slope(history.mean.back()[place]) * std::sqrt(estimate.robust.covariance(place, place));
+        transform.slope(history.mean(place, history.last())) * std::sqrt(estimate.robust.covariance(place, place));
   }
 }
 

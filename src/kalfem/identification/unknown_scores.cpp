@@ -15,7 +15,7 @@ std::vector<UnknownScore> scores_of_unknowns(const RecordEstimate& estimate) {
   for (std::size_t i = 0; i < history.unknowns.size(); ++i) {
     const auto& unknown = unknowns[static_cast<std::size_t>(history.unknowns[i])];
     const auto row = static_cast<Index>(i);
-    const double slope = unknown.transform.slope(history.mean.back()[row]);  // d theta / d state
+    const double slope = unknown.transform.slope(history.mean(row, history.last()));  // d theta / d state
     found.push_back({unknown.name, scores.value.row(row).transpose() / slope});
   }
   return found;

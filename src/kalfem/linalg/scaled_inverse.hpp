@@ -9,7 +9,7 @@ namespace kalfem {
 class ScaledInverse {
 public:
   /// Stays until the next call.
-  const Eigen::MatrixXd& operator()(const Eigen::MatrixXd& covariance) {
+  const Eigen::MatrixXd& operator()(const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
     scale_ = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     correlation_ = scale_.asDiagonal() * covariance * scale_.asDiagonal();
     inverse_ = factor_.compute(correlation_).solve(Eigen::MatrixXd::Identity(covariance.rows(), covariance.cols()));
@@ -24,6 +24,6 @@ private:
 };
 
 /// Of one covariance.
-inline Eigen::MatrixXd scaled_inverse(const Eigen::MatrixXd& covariance) { return ScaledInverse()(covariance); }
+inline Eigen::MatrixXd scaled_inverse(const Eigen::Ref<const Eigen::MatrixXd>& covariance) { return ScaledInverse()(covariance); }
 
 }  // namespace kalfem

@@ -17,9 +17,6 @@ using Eigen::Index;
 
 namespace {
 
-/// A model with more degrees of freedom is simulated in a thread of its own.
-constexpr Index large_model = 2000;
-
 std::vector<MeasurementChain> chains_of(const std::vector<Sensor>& sensors) {
   std::vector<MeasurementChain> chains;
   for (const auto& sensor : sensors) chains.push_back(sensor.chain);
@@ -56,7 +53,7 @@ SimulationOutcome run_simulation(const Study& study, const Progress& progress, s
   for (const auto& sensor : study.sensors) outputs.push_back(sensor.output);
   const Stopwatch watch;
   ConvergenceOptions convergence = plan.convergence;
-  convergence.threads = study.model->system().size() > large_model ? processors() : 1;
+  convergence.threads = processors();
   SimulationOptions options = plan.integration;
   options.progress = progress;
   options.keep_motion = false;

@@ -208,6 +208,14 @@ const VectorXd& PartiallyLinearFilter::mean() const {
   return mean_;
 }
 
+MatrixXd PartiallyLinearFilter::gain_of(const std::vector<Index>& states) const {
+  const auto& downdate = estimate_.downdate();
+  MatrixXd whitened(std::ssize(states), downdate.cols());
+  for (Index i = 0; i < whitened.rows(); ++i)
+    whitened.row(i) = downdate.row(layout_.slot[static_cast<std::size_t>(states[static_cast<std::size_t>(i)])]);
+  return gain_from(whitened, innovation_factor_);
+}
+
 VectorXd PartiallyLinearFilter::standard_deviation() const {
   VectorXd deviation = estimate_.variances();
   KALFEM_INDEPENDENT

@@ -26,8 +26,9 @@ public:
   FilterOutcome observe(Eigen::VectorXd& mean, Eigen::VectorXd* deviation) override;
 
   Eigen::MatrixXd gain() const override {
-    return gain_of(estimate_.downdate()(layout_.slot, Eigen::all), innovation_factor_);
+    return gain_from(estimate_.downdate()(layout_.slot, Eigen::all), innovation_factor_);
   }
+  Eigen::MatrixXd gain_of(const std::vector<Eigen::Index>& states) const override;
   const Eigen::VectorXd& mean() const override;
   Eigen::VectorXd standard_deviation() const override;
   Eigen::MatrixXd covariance() const override { return estimate_.covariance(); }
