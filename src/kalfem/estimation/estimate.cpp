@@ -210,8 +210,7 @@ private:
 
   void store_state(Index k) {
     const auto& layout = augmented_model_.layout();
-    if (const VectorXd& mean = setup_->filter->mean();
-        options_.state_means || k + 1 == input_.measured.samples())
+    if (const VectorXd& mean = setup_->filter->mean(); options_.state_means || k + 1 == input_.measured.samples())
       result_.state.mean.col(k) = model().physical(mean);
     else
       result_.state.mean(in_any_coordinates_, k) = mean(in_any_coordinates_);
@@ -280,7 +279,7 @@ private:
   std::unique_ptr<NoiseAdaptation> adaptation_;  ///< where the noise adapts
   std::vector<Index> linear_unknowns_;
   std::vector<Index> in_any_coordinates_;  ///< states that have the same meaning in all: internal ones and unknowns
-  std::optional<HistoryKeeper> history_;  ///< where it is kept
+  std::optional<HistoryKeeper> history_;   ///< where it is kept
   LinearEstimate linearised_about_;
   Stopwatch watch_;
   Innovation innovation_;

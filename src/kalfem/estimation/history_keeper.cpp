@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "kalfem/estimation/kernels/small_kernels.hpp"
+
 namespace kalfem {
 
 using Eigen::Index;
@@ -56,15 +58,19 @@ void HistoryKeeper::keep_slope(Index k, const Filter& filter, const Innovation& 
   const auto& channels = innovation.channels;
   if (channels.empty()) return;
   gain_ = filter.gain_of(states_);
-  cross_.noalias() = gain_ * innovation.conditioned_covariance().selfadjointView<Eigen::Lower>();
+  innovation_covariance_ = innovation.conditioned_covariance().selfadjointView<Eigen::Lower>();
+  cross_.noalias() = innovation_covariance_.lazyProduct(gain_.transpose());
   before_ = covariance_;
-  before_.noalias() += gain_.lazyProduct(cross_.transpose());
-  own_ = factor_.compute(before_).solve(cross_);
-  history_.slope_at(k)(Eigen::all, channels) = own_;
+  before_.noalias() += gain_.lazyProduct(cross_);
+  if (!cholesky(before_, 0.0, factor_)) return;
+  whitened_ = cross_;
+  solve_on_the_right(factor_, whitened_);
+  slope_ = gain_from(whitened_, factor_);
+  history_.slope_at(k)(Eigen::all, channels) = slope_.transpose();
   moved_ = filter.mean()(states_) - history_.mean.col(0);
   moved_.noalias() -= gain_.lazyProduct(innovation.conditioned_value());
-  known_ = innovation.conditioned_covariance().diagonal() - own_.cwiseProduct(cross_).colwise().sum().transpose();
-  history_.at_prior(channels, k) = innovation.conditioned_value() + own_.transpose().lazyProduct(moved_);
+  known_ = innovation_covariance_.diagonal() - whitened_.rowwise().squaredNorm();
+  history_.at_prior(channels, k) = innovation.conditioned_value() + slope_.lazyProduct(moved_);
   history_.deviation(channels, k) = known_.cwiseMax(0.0).cwiseSqrt();
 }
 

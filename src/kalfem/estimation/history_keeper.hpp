@@ -29,9 +29,11 @@ private:
   Eigen::Index samples_;
   Eigen::Index points_ = 0, slopes_ = 0;  ///< that are kept
   bool keeps_slopes_ = false;
-  Eigen::MatrixXd covariance_, gain_, cross_, before_, own_;  ///< of the constants: P, K, P_theta,y, P before, D
+  Eigen::MatrixXd covariance_, gain_;         ///< of the constants: P after the update and K
+  Eigen::MatrixXd before_, factor_;           ///< P before the update and its Cholesky factor L
+  Eigen::MatrixXd cross_, whitened_, slope_;  ///< P_y,theta, P_y,theta L^-T and D^T
+  Eigen::MatrixXd innovation_covariance_;     ///< S
   Eigen::VectorXd moved_, known_;
-  Eigen::LDLT<Eigen::MatrixXd> factor_;
 };
 
 }  // namespace kalfem

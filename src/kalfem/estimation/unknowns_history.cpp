@@ -53,8 +53,8 @@ ScoreCluster prior_score(const UnknownsHistory& history) {
 
 RobustCovariance robust_covariance(const UnknownsHistory& history) {
   const Scores scores = scores_of(history);
-  return robust_covariance(scaled_inverse(history.covariance_at(history.last())), scaled_inverse(history.covariance_at(0)),
-                           scores.value, scores.share);
+  return robust_covariance(scaled_inverse(history.covariance_at(history.last())),
+                           scaled_inverse(history.covariance_at(0)), scores.value, scores.share);
 }
 
 }  // namespace kalfem

@@ -12,8 +12,8 @@ namespace kalfem {
 struct UnknownsHistory {
   std::vector<Eigen::Index> unknowns;  ///< places among all unknowns of those that stay constant (no random walk), c
   Eigen::Index stride = 1;             ///< samples from one point to the next
-  Eigen::MatrixXd mean;        ///< of the prior and then of every point, in the filter's state, c x points
-  Eigen::MatrixXd covariance;  ///< the same, beside each other, c x (c points)
+  Eigen::MatrixXd mean;                ///< of the prior and then of every point, in the filter's state, c x points
+  Eigen::MatrixXd covariance;          ///< the same, beside each other, c x (c points)
 
   // Of every sample, unless the record is too long for it.
   Eigen::MatrixXd slope;      ///< derivatives D of the predicted measurements by the constants, c x (l samples)
@@ -29,7 +29,9 @@ struct UnknownsHistory {
   [[nodiscard]] auto covariance_at(Eigen::Index point) {
     return covariance.middleCols(point * mean.rows(), mean.rows());
   }
-  [[nodiscard]] Eigen::Index samples_with_slopes() const { return at_prior.size() > 0 ? slope.cols() / at_prior.rows() : 0; }
+  [[nodiscard]] Eigen::Index samples_with_slopes() const {
+    return at_prior.size() > 0 ? slope.cols() / at_prior.rows() : 0;
+  }
   [[nodiscard]] auto slope_at(Eigen::Index sample) const {
     return slope.middleCols(sample * at_prior.rows(), at_prior.rows());
   }

@@ -12,8 +12,8 @@ struct FrequencyBand {
 };
 
 /// rms(estimate - reference) / rms(reference), both of the part of the signals in the band: by the discrete Fourier
-/// transform of the Hann-windowed signals, zeros added up to a multiple of four of factors 2, 3 and 5 (Parseval). NaN where the
-/// reference has nothing there.
+/// transform of the Hann-windowed signals, zeros added up to a multiple of four of factors 2, 3 and 5 (Parseval). NaN
+/// where the reference has nothing there.
 double nrmse_in_band(const Eigen::VectorXd& estimate, const Eigen::VectorXd& reference, double sample_rate,
                      const FrequencyBand& band);
 
