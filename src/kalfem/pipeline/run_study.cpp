@@ -34,7 +34,7 @@ namespace {
 void take_simulation(const Study& study, const RunOptions& options, const Progress& progress, StudyResults& results) {
   const Stopwatch watch;
   if (options.simulation) {
-    results.simulation = *options.simulation;
+    results.simulation = options.simulation();
     results.simulation->seconds = watch.seconds();
     return;
   }

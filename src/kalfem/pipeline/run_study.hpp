@@ -186,7 +186,7 @@ struct RunOptions {
   Progress progress = {};             ///< of the whole run: "simulate (1 of 3): reference 3 of at most 7"
   std::filesystem::path folder = {};  ///< where long steps keep their checkpoints; empty: nowhere
   std::function<void(int number, const UpdatingStep&)> on_updating_step = {};
-  std::shared_ptr<const SimulationOutcome> simulation = {};  ///< of this case, made already; empty: it is made
+  std::function<SimulationOutcome()> simulation = {};  ///< gives that of this case where it is made already
   bool keep_finished = false;  ///< asked to stop, the run returns the steps that are finished; otherwise it throws
 };
 

@@ -83,11 +83,9 @@ struct Combination {
 };
 
 /// The reference with the noise of a seed; without a seed with that of the case.
-std::shared_ptr<const SimulationOutcome> simulation_of(const Combination& combination, std::optional<int> seed) {
-  if (!combination.reference) return nullptr;
-  if (!seed) return {combination.reference, &combination.reference->outcome};
-  auto simulation = std::make_shared<SimulationOutcome>(combination.reference->outcome);
-  add_noise(combination.study, static_cast<std::uint64_t>(*seed), *simulation);
+SimulationOutcome simulation_of(const Combination& combination, std::optional<int> seed) {
+  SimulationOutcome simulation = combination.reference->outcome;
+  if (seed) add_noise(combination.study, static_cast<std::uint64_t>(*seed), simulation);
   return simulation;
 }
 
@@ -101,9 +99,12 @@ std::string lasting_text(Json summary) {
 std::string summary_of(const Combination& combination, std::optional<int> seed) {
   const Study& study = combination.study;
   StudyResults results;
-  if (combination.reference) results.failure = combination.reference->failure;
-  if (results.complete())
-    results = run_study(study, Step::everything, {.simulation = simulation_of(combination, seed)});
+  RunOptions options;
+  if (combination.reference) {
+    results.failure = combination.reference->failure;
+    options.simulation = [&] { return simulation_of(combination, seed); };
+  }
+  if (results.complete()) results = run_study(study, Step::everything, options);
   return lasting_text(summarise(study, results));
 }
 
