@@ -1,8 +1,7 @@
 #include "kalfem/linalg/long_vectors.hpp"
 
-#include <algorithm>
-
 #include "kalfem/linalg/makers.hpp"
+#include "kalfem/linalg/tall_matrices.hpp"
 
 namespace kalfem {
 
@@ -24,15 +23,6 @@ MatrixXd VectorsInMemory::project_out(Index begin, Index end, const Columns& mas
 
 MatrixXd VectorsInMemory::combination(const Columns& weights) const { return between(0, weights.rows()) * weights; }
 
-// By panels of rows: nothing else has the size of the vectors.
-void VectorsInMemory::combine(const Columns& weights) {
-  constexpr Index panel = 6144;
-  MatrixXd combined;
-  for (Index first = 0; first < rows(); first += panel) {
-    auto leading = vectors_.middleRows(first, std::min(panel, rows() - first));
-    combined.noalias() = leading.leftCols(weights.rows()) * weights;
-    leading.leftCols(weights.cols()) = combined;
-  }
-}
+void VectorsInMemory::combine(const Columns& weights) { kalfem::combine(vectors_, weights); }
 
 }  // namespace kalfem

@@ -4,6 +4,7 @@
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/linalg/sparse_operations.hpp"
+#include "kalfem/linalg/tall_matrices.hpp"
 #include "kalfem/reduction/partition.hpp"
 #include "kalfem/reduction/projection.hpp"
 #include "kalfem/reduction/superelement.hpp"
@@ -18,13 +19,9 @@ using Eigen::VectorXd;
 /// Part of a column's length below which what is left of it is rounding.
 constexpr double rounding = 1e-10;
 
-/// sqrt(diag(X^T M X))
-VectorXd lengths(const MatrixXd& shapes, const SparseMatrix& mass) {
-  return shapes.cwiseProduct(mass * shapes).colwise().sum().cwiseMax(0.0).cwiseSqrt();
-}
-
+/// (1 - Phi Phi^T M) X in place of X.
 void remove_kept(MatrixXd& shapes, const MatrixXd& kept, const SparseMatrix& mass) {
-  for (int pass = 0; pass < 2; ++pass) shapes -= kept * (kept.transpose() * (mass * shapes));
+  shapes.noalias() -= kept * inner_products(kept, mass, shapes);
 }
 
 /// K_ii^-1 (M_ii Psi + M_ib), n_i x n_b: what the interior does quasi-statically under the inertia forces of unit
@@ -45,14 +42,13 @@ MatrixXd inertia_response(const Partition& parts, const SparseMatrix& mass_ib, c
 /// kept. What is left of a column may be small, as its part in mode j falls with 1 / lambda_j, and counts all the same.
 LowestModes augmentation_vectors(const Partition& parts, MatrixXd shapes, const MatrixXd& kept) {
   const VectorXd sizes = lengths(shapes, parts.mass_ii);
-  remove_kept(shapes, kept, parts.mass_ii);
+  for (int pass = 0; pass < 2; ++pass)  // where little is left, the first pass leaves rounding of what was there
+    remove_kept(shapes, kept, parts.mass_ii);
   const VectorXd left = lengths(shapes, parts.mass_ii);
   for (Index j = 0; j < shapes.cols(); ++j) shapes.col(j) *= left[j] > rounding * sizes[j] ? 1.0 / left[j] : 0.0;
+  shapes = orthonormal(std::move(shapes), parts.mass_ii);
   remove_kept(shapes, kept, parts.mass_ii);
-  shapes = orthonormal(shapes, parts.mass_ii);
-  if (shapes.cols() == 0) return {VectorXd(), shapes, {}, 0};
-  remove_kept(shapes, kept, parts.mass_ii);
-  return uncoupled(shapes, parts.stiffness_ii, parts.mass_ii);
+  return uncoupled(std::move(shapes), parts.stiffness_ii, parts.mass_ii);
 }
 
 }  // namespace
@@ -64,16 +60,6 @@ std::vector<std::string> reduced_names(const std::vector<std::string>& boundary,
   for (Index i = 1; i <= modes; ++i) names.push_back("mode" + std::to_string(i));
   for (Index i = 1; i <= truncation; ++i) names.push_back("truncation" + std::to_string(i));
   return names;
-}
-
-/// The kept modes with the further ones behind them.
-LowestModes appended(LowestModes kept, const LowestModes& further) {
-  const Index count = kept.values.size() + further.values.size();
-  kept.values.conservativeResize(count);
-  kept.values.tail(further.values.size()) = further.values;
-  kept.vectors.conservativeResize(Eigen::NoChange, count);
-  kept.vectors.rightCols(further.values.size()) = further.vectors;
-  return kept;
 }
 
 /// An order for the interior that fills little: the given one, or that of the whole without the boundary.
@@ -97,14 +83,20 @@ struct InteriorSolutions {
   EliminationOrder order;
 };
 
+/// The modes come first: the space in which they are looked for is the largest beside the factors.
 InteriorSolutions solve_interior(const LinearModel& model, const Partition& parts,
                                  const std::vector<std::string>& names, const ReductionOptions& options) {
   const StiffnessFactor factored =
       factor_stiffness(parts.stiffness_ii, parts.mass_ii, parts.interior_names, order_for(parts, options));
+  const MatrixXd rigid_modes = rigid_body_modes(parts, factored);
   InteriorSolutions solutions{.factor_bytes = factored.factor.bytes(), .order = factored.factor.order()};
+  const MatrixXd following =
+      options.modes.effective_mass
+          ? interior_response(parts, factored, -parts.stiffness_ib * translations(names), rigid_modes)
+          : MatrixXd();
+  solutions.kept = select_modes(parts, following, factored, options.modes);
   MatrixXd& constraint = solutions.constraint_modes;
-  constraint = constraint_modes(parts, factored, rigid_body_modes(parts, factored));
-  solutions.kept = select_modes(parts, constraint * translations(names), factored, options.modes);
+  constraint = constraint_modes(parts, factored, rigid_modes);
   solutions.inertia_response =
       options.augmentation_vectors
           ? inertia_response(parts, select(model.mass, parts.interior, parts.boundary), constraint, factored.factor)
@@ -141,11 +133,12 @@ Superelement reduced(const LinearModel& model, const std::vector<std::string>& n
       augmentation_vectors(parts, std::move(solved.inertia_response), solved.kept.modes.vectors);
   if (further.values.size() > 0)
     error_indicators.reason += ", " + std::to_string(further.values.size()) + " modal truncation augmentation vectors";
-  const LowestModes modes = appended(std::move(solved.kept.modes), further);
+  VectorXd values(kept.size() + further.values.size());
+  values << solved.kept.modes.values, further.values;
   element.boundary = parts.boundary;
-  element.basis = transformation(parts, solved.constraint_modes, modes.vectors);
+  element.basis = transformation(parts, solved.constraint_modes, {solved.kept.modes.vectors, further.vectors});
   element.model =
-      projected_model(model, element.basis, modes.values, reduced_names(names, kept.size(), further.values.size()));
+      projected_model(model, element.basis, values, reduced_names(names, kept.size(), further.values.size()));
   return element;
 }
 

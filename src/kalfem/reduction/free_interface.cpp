@@ -90,8 +90,8 @@ Space rubin_space(const LinearModel& model, const Partition& parts, const Select
   shapes << kept.modes.vectors(parts.interior, Eigen::all) - space.static_part * at_boundary,
       unit_columns(response.rightCols(rigid.cols()), parts.mass_ii);
   // Twice, as the first pass leaves the smallest of them orthogonal to few digits only.
-  const MatrixXd independent = orthonormal(orthonormal(shapes, parts.mass_ii), parts.mass_ii);
-  space.modes = uncoupled(independent, parts.stiffness_ii, parts.mass_ii);
+  shapes = orthonormal(orthonormal(std::move(shapes), parts.mass_ii), parts.mass_ii);
+  space.modes = uncoupled(std::move(shapes), parts.stiffness_ii, parts.mass_ii);
   for (Index i = 0; i < space.modes.values.size() && moves_rigidly(parts.stiffness_ii, space.modes.vectors.col(i)); ++i)
     space.modes.values[i] = 0.0;
   return space;
@@ -162,7 +162,7 @@ Superelement free_interface(const LinearModel& model, const std::vector<std::str
 
   Superelement element;
   element.boundary = parts.boundary;
-  element.basis = transformation(parts, space.static_part, space.modes.vectors);
+  element.basis = transformation(parts, space.static_part, {space.modes.vectors});
   element.model =
       projected_model(model, element.basis, space.modes.values, with_modes(names, space.modes.values.size()));
   ReductionErrorIndicators& error_indicators = element.error_indicators;

@@ -10,6 +10,7 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/linalg/sparse_operations.hpp"
+#include "kalfem/linalg/tall_matrices.hpp"
 
 namespace kalfem {
 
@@ -88,11 +89,12 @@ MatrixXd constraint_modes(const Partition& parts, const StiffnessFactor& factore
 }
 
 double static_error(const Partition& parts, const MatrixXd& modes) {
-  if (modes.size() == 0) return 0.0;
   double largest = 0.0;
-  for (Index j = 0; j < modes.cols(); ++j)
-    if (const VectorXd load = parts.stiffness_ib.col(j); load.norm() > 0.0)
-      largest = std::max(largest, (parts.stiffness_ii * modes.col(j) + load).norm() / load.norm());
+  visit_products(parts.stiffness_ii, modes, [&](Index first, const TallMatrix& forces) {
+    for (Index j = 0; j < forces.cols(); ++j)
+      if (const VectorXd load = parts.stiffness_ib.col(first + j); load.norm() > 0.0)
+        largest = std::max(largest, (forces.col(j) + load).norm() / load.norm());
+  });
   return largest;
 }
 

@@ -45,8 +45,9 @@ struct SelectedModes {
 /// The interior's rigid-body modes while the boundary is held, n_i x r; none where K_ii is positive definite.
 Eigen::MatrixXd rigid_body_modes(const Partition& parts, const StiffnessFactor& factored);
 
-/// `following`: motion of the interior with each translation of the boundary, n_i x directions. Rigid-body modes are
-/// kept in any case. Throws InvalidInput where no criterion is given, or a value is out of its range.
+/// `following`: motion of the interior with each translation of the boundary, n_i x directions; effective mass alone
+/// needs it. Rigid-body modes are kept in any case. Throws InvalidInput where no criterion is given, or a value is out
+/// of its range.
 SelectedModes select_modes(const Partition& parts, const Eigen::MatrixXd& following, const StiffnessFactor& factored,
                            const ModeSelection& selection);
 

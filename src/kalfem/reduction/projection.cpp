@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <unordered_map>
 
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
+#include "kalfem/linalg/tall_matrices.hpp"
 #include "kalfem/model/linear_model.hpp"
 #include "kalfem/reduction/superelement.hpp"
 
@@ -25,20 +27,23 @@ constexpr double least_remainder = 1e-5;
 
 }  // namespace
 
-MatrixXd orthonormal(const MatrixXd& columns, const Eigen::SparseMatrix<double>& mass) {
+MatrixXd orthonormal(MatrixXd columns, const Eigen::SparseMatrix<double>& mass) {
   if (columns.cols() == 0) return columns;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> gram(columns.transpose() * (mass * columns));
-  const Index independent = (gram.eigenvalues().array() > least_remainder * least_remainder).count();
-  const VectorXd sizes = gram.eigenvalues().tail(independent).cwiseSqrt();
-  return columns * (gram.eigenvectors().rightCols(independent) * sizes.cwiseInverse().asDiagonal());
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> products(gram(columns, mass));
+  const Index independent = (products.eigenvalues().array() > least_remainder * least_remainder).count();
+  const VectorXd sizes = products.eigenvalues().tail(independent).cwiseSqrt();
+  combine(columns, products.eigenvectors().rightCols(independent) * sizes.cwiseInverse().asDiagonal());
+  columns.conservativeResize(Eigen::NoChange, independent);
+  return columns;
 }
 
-LowestModes uncoupled(const MatrixXd& columns, const Eigen::SparseMatrix<double>& stiffness,
+LowestModes uncoupled(MatrixXd columns, const Eigen::SparseMatrix<double>& stiffness,
                       const Eigen::SparseMatrix<double>& mass) {
-  if (columns.cols() == 0) return {VectorXd(), columns, {}, 0};
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> pairs(MatrixXd(columns.transpose() * (stiffness * columns)),
-                                                                 MatrixXd(columns.transpose() * (mass * columns)));
-  return {pairs.eigenvalues(), columns * pairs.eigenvectors(), {}, columns.cols()};
+  if (columns.cols() == 0) return {VectorXd(), std::move(columns), {}, 0};
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> pairs(gram(columns, stiffness), gram(columns, mass));
+  combine(columns, pairs.eigenvectors());
+  const Index count = columns.cols();
+  return {pairs.eigenvalues(), std::move(columns), {}, count};
 }
 
 namespace {
@@ -47,30 +52,24 @@ namespace {
 // other static shapes first, then modes of the interior with the boundary held. What is known exactly is not computed
 // by products, which would leave rounding in its place: Phi^T M Phi = 1, Phi^T K Phi = diag(lambda) and
 // Psi^T K Phi = 0 [CB68].
-/// T^T A T by panels of columns, so that nothing else has the size of T; only the lower half is multiplied out.
-MatrixXd projected(const SparseMatrix& matrix, const Eigen::Ref<const MatrixXd>& T) {
-  constexpr Index panel = 32;
-  MatrixXd reduced = MatrixXd::Zero(T.cols(), T.cols());
-  if (matrix.nonZeros() == 0) return reduced;
-  MatrixXd image(T.rows(), std::min(panel, T.cols()));
-  for (Index first = 0; first < T.cols(); first += panel) {
-    const Index width = std::min(panel, T.cols() - first), below = T.cols() - first;
-    image.leftCols(width).noalias() = matrix * T.middleCols(first, width);
-    reduced.block(first, first, below, width).noalias() = T.rightCols(below).transpose() * image.leftCols(width);
-  }
-  return reduced.selfadjointView<Eigen::Lower>();
-}
-
 SparseMatrix projected_mass(const SparseMatrix& mass, const MatrixXd& T, Index modes) {
-  MatrixXd reduced = projected(mass, T);
-  reduced.bottomRightCorner(modes, modes).setIdentity();
-  return reduced.sparseView();
+  const Index n_b = T.cols() - modes;
+  MatrixXd reduced = MatrixXd::Identity(T.cols(), T.cols());
+  reduced.leftCols(n_b) = inner_products(T, mass, T.leftCols(n_b));
+  return MatrixXd(reduced.selfadjointView<Eigen::Lower>()).sparseView();
 }
 
 SparseMatrix projected_stiffness(const SparseMatrix& stiffness, const MatrixXd& T, const VectorXd& values) {
   const Index n_b = T.cols() - values.size();
   MatrixXd reduced = MatrixXd::Zero(T.cols(), T.cols());
-  reduced.topLeftCorner(n_b, n_b) = projected(stiffness, T.leftCols(n_b));
+  reduced.topLeftCorner(n_b, n_b) = gram(T.leftCols(n_b), stiffness);
+  // The energy of a coordinate that moves the whole rigidly is rounding, of either sign.
+  const VectorXd cancelled = T.leftCols(n_b).cwiseAbs2().transpose() * stiffness.diagonal();
+  for (Index j = 0; j < n_b; ++j)
+    if (reduced(j, j) <= std::numeric_limits<double>::epsilon() * cancelled[j]) {
+      reduced.row(j).setZero();
+      reduced.col(j).setZero();
+    }
   reduced.diagonal().tail(values.size()) = values;
   return reduced.sparseView();
 }
@@ -120,20 +119,23 @@ VectorXd natural_frequencies(const VectorXd& values) {
 
 MatrixXd symmetric(const MatrixXd& matrix) { return 0.5 * (matrix + matrix.transpose()); }
 
-MatrixXd transformation(const Partition& parts, const MatrixXd& static_part, const MatrixXd& modes) {
-  const Index n_b = static_part.cols();
-  const auto n = static_cast<Index>(parts.boundary.size() + parts.interior.size());
-  MatrixXd T = MatrixXd::Zero(n, n_b + modes.cols());
-  for (Index j = 0; j < n_b; ++j) T(parts.boundary[static_cast<std::size_t>(j)], j) = 1.0;
-  for (std::size_t i = 0; i < parts.interior.size(); ++i) {
-    const auto row = static_cast<Index>(i);
-    T.row(parts.interior[i]) << static_part.row(row), modes.row(row);
+MatrixXd transformation(const Partition& parts, const MatrixXd& static_part,
+                        std::initializer_list<std::reference_wrapper<const MatrixXd>> modes) {
+  Index columns = static_part.cols();
+  for (const MatrixXd& shapes : modes) columns += shapes.cols();
+  MatrixXd T(static_cast<Index>(parts.boundary.size() + parts.interior.size()), columns);
+  T(parts.boundary, Eigen::all).setIdentity();
+  T(parts.interior, Eigen::seqN(0, static_part.cols())) = static_part;
+  Index first = static_part.cols();
+  for (const MatrixXd& shapes : modes) {
+    T(parts.interior, Eigen::seqN(first, shapes.cols())) = shapes;
+    first += shapes.cols();
   }
   return T;
 }
 
 SparseMatrix projected_damping(const LinearModel& model, const MatrixXd& T) {
-  const MatrixXd local = projected(model.damping, T);
+  const MatrixXd local = gram(T, model.damping);
   const auto& [modes, rates] = model.modal_damping;
   if (rates.size() == 0) return local.sparseView();
   const MatrixXd mass_weighted_modes = T.transpose() * (model.mass * modes.shapes);

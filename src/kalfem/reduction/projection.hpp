@@ -1,5 +1,8 @@
 #pragma once
 
+#include <functional>
+#include <initializer_list>
+
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/reduction/partition.hpp"
 #include "kalfem/reduction/superelement.hpp"
@@ -8,11 +11,11 @@ namespace kalfem {
 
 /// M-orthonormal basis of what the columns span, n x at most their number. Directions of which less than a
 /// hundred-thousandth of the columns' unit size is left beside the others are dropped.
-Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& columns, const Eigen::SparseMatrix<double>& mass);
+Eigen::MatrixXd orthonormal(Eigen::MatrixXd columns, const Eigen::SparseMatrix<double>& mass);
 
 /// Rayleigh-Ritz: the mass-normalised combinations of independent columns between which K and M have no coupling, and
 /// their values [(rad/s)^2], ascending.
-LowestModes uncoupled(const Eigen::MatrixXd& columns, const Eigen::SparseMatrix<double>& stiffness,
+LowestModes uncoupled(Eigen::MatrixXd columns, const Eigen::SparseMatrix<double>& stiffness,
                       const Eigen::SparseMatrix<double>& mass);
 
 /// sqrt(lambda) / 2 pi [Hz]; negative values count as 0.
@@ -21,9 +24,9 @@ Eigen::VectorXd natural_frequencies(const Eigen::VectorXd& values);
 /// (A + A^T) / 2.
 Eigen::MatrixXd symmetric(const Eigen::MatrixXd& matrix);
 
-/// T = [I 0; Psi Phi], n x r, its rows in the order of the full model.
+/// T = [I 0 0 ...; Psi Phi_1 Phi_2 ...], n x r, its rows in the order of the full model.
 Eigen::MatrixXd transformation(const Partition& parts, const Eigen::MatrixXd& static_part,
-                               const Eigen::MatrixXd& modes);
+                               std::initializer_list<std::reference_wrapper<const Eigen::MatrixXd>> modes);
 
 /// T^T (C + C_m) T, r x r, without ever forming the modal damping C_m.
 SparseMatrix projected_damping(const LinearModel& model, const Eigen::MatrixXd& T);

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <Eigen/Sparse>
+#include <functional>
+
+namespace kalfem {
+
+// Products with matrices of as many rows as a large model has degrees of freedom and some columns each. They work by
+// panels, so that nothing else has the size of these matrices.
+
+using TallMatrix = Eigen::Ref<const Eigen::MatrixXd>;  ///< whose columns are contiguous
+
+/// Y = A X of a symmetric sparse A, n x n. Each entry of A is read once for eight columns of X, which lie side by side
+/// in memory meanwhile: where A is larger than the processor's caches, this takes a third of the time. One thread at a
+/// time.
+class SymmetricProduct {
+public:
+  /// `matrix`, of which both halves are stored, is kept by reference.
+  explicit SymmetricProduct(const Eigen::SparseMatrix<double>& matrix);
+
+  void multiply(const TallMatrix& columns, Eigen::Ref<Eigen::MatrixXd> product);
+
+private:
+  static constexpr Eigen::Index width = 8;
+
+  const Eigen::SparseMatrix<double>& matrix_;
+  Eigen::Matrix<double, Eigen::Dynamic, width, Eigen::RowMajor> side_by_side_;
+};
+
+/// Calls visit(j, A X_p) for the panels X_p of X, one after the other; j is the column of X where the panel begins.
+/// Where A has no entries there are none.
+void visit_products(const Eigen::SparseMatrix<double>& A, const TallMatrix& X,
+                    const std::function<void(Eigen::Index first, const TallMatrix& product)>& visit);
+
+/// X^T A Y of a symmetric A.
+Eigen::MatrixXd inner_products(const TallMatrix& X, const Eigen::SparseMatrix<double>& A, const TallMatrix& Y);
+
+/// X^T A X of a symmetric A, symmetric to the last bit.
+Eigen::MatrixXd gram(const TallMatrix& X, const Eigen::SparseMatrix<double>& A);
+
+/// sqrt(x^T A x) of each column x, for a semi-definite A.
+Eigen::VectorXd lengths(const TallMatrix& X, const Eigen::SparseMatrix<double>& A);
+
+/// X W in place of the leading columns of X, for a W with no more columns than rows.
+void combine(Eigen::Ref<Eigen::MatrixXd> X, const TallMatrix& W);
+
+}  // namespace kalfem
