@@ -75,8 +75,8 @@ std::vector<std::string> names_of(const Map& map) {
 /// name becomes an issue with its place, and the building continues.
 class Builder {
 public:
-  Builder(const std::string& name, const d::Substructure& given, const UsedGroups& used)
-      : name_(name), given_(given), fe_(*given.finite_elements), used_(used) {}
+  Builder(const std::string& name, const d::Substructure& given, const UsedGroups& used, DeckFiles& decks)
+      : name_(name), given_(given), fe_(*given.finite_elements), used_(used), decks_(decks) {}
 
   NamedElements build() {
     read_source();
@@ -136,8 +136,8 @@ private:
   }
 
   void read(const d::DeckFile& file) {
-    Deck deck = read_deck(file.file.value,
-                          {.format = file.format, .temperature = file.temperature, .load_cases = used_.deck_cases});
+    Deck deck = decks_.read(file.file.value,
+                            {.format = file.format, .temperature = file.temperature, .load_cases = used_.deck_cases});
     accept_missing(deck.notes, file);
     model_ = std::move(deck.model);
     notes_ = std::move(deck.notes);
@@ -429,6 +429,7 @@ private:
   const d::Substructure& given_;
   const d::FiniteElements& fe_;
   const UsedGroups& used_;
+  DeckFiles& decks_;
   FiniteElementModel model_;
   std::vector<DeckNote> notes_;
   std::vector<LoadCase> deck_cases_;
@@ -440,8 +441,9 @@ private:
 
 }  // namespace
 
-NamedElements build_finite_elements(const std::string& name, const d::Substructure& given, const UsedGroups& used) {
-  return Builder(name, given, used).build();
+NamedElements build_finite_elements(const std::string& name, const d::Substructure& given, const UsedGroups& used,
+                                    DeckFiles& decks) {
+  return Builder(name, given, used, decks).build();
 }
 
 }  // namespace kalfem

@@ -9,6 +9,7 @@
 #include "kalfem/formats/deck.hpp"
 #include "kalfem/model/assembly/fe_linear_model.hpp"
 #include "kalfem/model/gauges/strain_gauge.hpp"
+#include "kalfem/study/deck_files.hpp"
 
 namespace kalfem {
 
@@ -29,12 +30,11 @@ struct NamedElements {
   std::vector<LoadCase> deck_cases = {};                         ///< if they are wanted
 };
 
-/// Reads the mesh or deck of a case's substructure and gives it materials, properties, masses, springs, links and
-/// supports.
-/// The cells of used groups need no property. Throws InvalidInput with every name that does not exist, each with its
-/// place.
+/// Reads the mesh or deck, the latter from `decks`, of a case's substructure and gives it materials, properties,
+/// masses, springs, links and supports. The cells of used groups need no property. Throws InvalidInput with every name
+/// that does not exist, each with its place.
 NamedElements build_finite_elements(const std::string& name, const description::Substructure& given,
-                                    const UsedGroups& used);
+                                    const UsedGroups& used, DeckFiles& decks);
 
 /// Turns matrices of another code into a model without elements. Each node of that code becomes a node, at its
 /// coordinates or, if the case gives none, at the origin; NodalMatrices in SI join the nodes. Sets that name a degree

@@ -219,14 +219,15 @@ UsedGroups used_groups(const PartUses& uses) {
 
 }  // namespace
 
-DescribedPart make_finite_element_part(const std::string& name, const d::Substructure& given, const PartUses& uses) {
+DescribedPart make_finite_element_part(const std::string& name, const d::Substructure& given, const PartUses& uses,
+                                       DeckFiles& decks) {
   DescribedPart described;
   FiniteElementPart& part = described.part;
   part.name = name;
   part.damping = {{given.damping.mass_factor, given.damping.stiffness_factor},
                   {given.damping.modal, given.damping.modal_up_to}};
   auto [elements, nodes, gauges, notes, groups, deck_cases] =
-      part.times.measure("read", [&] { return build_finite_elements(name, given, used_groups(uses)); });
+      part.times.measure("read", [&] { return build_finite_elements(name, given, used_groups(uses), decks); });
   part.elements = std::move(elements);
   part.nodes = std::move(nodes);
   part.gauges = std::move(gauges);

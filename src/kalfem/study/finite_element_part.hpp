@@ -7,6 +7,7 @@
 #include "kalfem/casefile/description.hpp"
 #include "kalfem/formats/deck.hpp"
 #include "kalfem/identification/finite_element_part.hpp"
+#include "kalfem/study/deck_files.hpp"
 
 namespace kalfem {
 
@@ -26,9 +27,10 @@ struct PartUses {
   bool at_present_values = false;                 ///< no parameter changes, nor is one tried
 };
 
-/// Reads the mesh, deck or matrices, assembles and damps them. Throws InvalidInput with every problem and its place.
+/// Reads the mesh, deck (from `decks`) or matrices, assembles and damps them. Throws InvalidInput with every problem
+/// and its place.
 DescribedPart make_finite_element_part(const std::string& name, const description::Substructure& given,
-                                       const PartUses& uses);
+                                       const PartUses& uses, DeckFiles& decks);
 
 /// The reduction that the case asks for; ReductionRequest states the defaults.
 ReductionRequest reduction_request(const std::optional<Located<description::Reduction>>& given);

@@ -147,6 +147,7 @@ void add_finite_elements(StructureModel& structure, CaseStudy& study, const Prog
                                          [](const auto& each) { return each.second.finite_elements.has_value(); });
   std::ptrdiff_t done = 0;
   MadeParts made;
+  DeckFiles decks(study.given);
   for (const auto& [name, given] : study.given.substructures) {
     if (!given.finite_elements) continue;
     if (progress)
@@ -165,7 +166,7 @@ void add_finite_elements(StructureModel& structure, CaseStudy& study, const Prog
         structure.finite_elements.push_back(under_name(name, alike->elements));
         continue;
       }
-      auto [part, notes, warnings] = make_finite_element_part(name, given, uses);
+      auto [part, notes, warnings] = make_finite_element_part(name, given, uses, decks);
       study.element_notes.push_back({name, notes});
       warn_of_notes(study.element_notes.back(), study.warnings);
       for (const auto& warning : warnings) study.warnings.push_back("substructure '" + name + "': " + warning);
