@@ -1,6 +1,7 @@
 #include "kalfem/pipeline/reported_quantities.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "kalfem/model/linear_model.hpp"
 #include "kalfem/records/record.hpp"
@@ -85,8 +86,8 @@ Eigen::VectorXd joined_frequencies(const Study& study, Eigen::Index count, std::
 }
 
 SubstructureModes modes_of(const FiniteElementPart& part, Eigen::Index count) {
-  const auto modes = count > 0 ? lowest_normal_modes(part.full, count, {}, part.factor.get()) : NormalModes{};
-  return {part.name, part.full.size(), part.mass.mass, modes.frequencies, modes.shapes};
+  auto modes = count > 0 ? lowest_normal_modes(part.full, count, {}, part.factor.get()) : NormalModes{};
+  return {part.name, part.full.size(), part.mass.mass, std::move(modes.frequencies), std::move(modes.shapes)};
 }
 
 }  // namespace kalfem

@@ -72,12 +72,6 @@ void add_to(Terms& terms, const Powers& powers, SparseMatrix matrix) {
   if (!is_new) place->second = SparseMatrix(place->second + matrix);
 }
 
-/// sum += factor values; an empty sum stands for zero.
-void add_scaled(const std::vector<double>& values, double factor, std::vector<double>& sum) {
-  sum.resize(values.size(), 0.0);
-  for (std::size_t i = 0; i < values.size(); ++i) sum[i] += factor * values[i];
-}
-
 /// At least one term, so that the sum has its size.
 std::vector<AffineTerm> to_list(Terms terms, Eigen::Index size) {
   std::vector<AffineTerm> list;
@@ -118,7 +112,8 @@ std::vector<bool> touched_dofs(const FiniteElementModel& model) {
 // How a model is assembled:
 //   1. eliminate() leaves the free degrees of freedom and S with u_all = S u_free, S sparse;
 //   2. a region: the pattern of its matrices once, then every element adds S_e^T k S_e into the values. Terms that
-//      depend on different powers of parameters (E t, E t^3, rho t) are separate sums over the same pattern;
+//      depend on different powers of parameters (E t, E t^3, rho t) are separate sums over the same pattern, or one at
+//      their present values;
 //   3. masses, springs and joints are each a term of the parameter of their own; matrices of another code have none.
 // So K and M at other parameters are sums of what was assembled once. Element shapes that cannot be integrated are
 // collected over a region and reported together.
@@ -148,7 +143,15 @@ public:
 private:
   using Triplets = std::vector<Eigen::Triplet<double>>;
   using TripletTerms = std::map<Powers, Triplets>;
-  using Sums = std::map<PropertyPowers, std::vector<double>>;
+  /// Values of a region's terms over its pattern, and to which of them its element matrices are added, times a factor.
+  struct Sums {
+    struct Share {
+      std::vector<double>* values;
+      double factor;
+    };
+    std::map<Powers, std::vector<double>> values;
+    std::map<PropertyPowers, Share> shares;
+  };
 
   /// Into which a region's stiffness is divided.
   [[nodiscard]] std::vector<BeamPart> asked_parts(const std::string& region, const RegionProperty& property) const {
@@ -195,8 +198,6 @@ private:
   }
 
   [[nodiscard]] SparseSumPattern pattern_of(const std::vector<Eigen::Index>& cells, int motions) const;
-  static void add_terms(const SparseSumPattern& pattern, const Scatter& scatter, const std::vector<ElementTerm>& terms,
-                        Sums& sums);
   void report(const std::vector<std::pair<Eigen::Index, std::string>>& bad, const std::string& region,
               IssueList& issues) const;
 
@@ -240,13 +241,25 @@ void Assembler::add_region(const std::string& region, const RegionProperty& prop
   Sums stiffness_sums, mass_sums;
   std::map<PropertyPowers, Matrix6> rigid_sums;
   Scatter scatter;
+  const auto add_terms = [&](const std::vector<ElementTerm>& terms, Sums& sums) {
+    for (const auto& term : terms) {
+      const auto [share, is_new] = sums.shares.try_emplace(term.powers);
+      if (is_new) {
+        const auto [powers, factor] = term_of(named_powers(term.powers, region, material_of(property)));
+        auto& values = sums.values[powers];
+        if (values.empty()) values = pattern.zero();
+        share->second = {&values, factor};
+      }
+      pattern.add(scatter, share->second.factor * term.matrix, *share->second.values);
+    }
+  };
   std::vector<std::pair<Eigen::Index, std::string>> bad;
   for (std::size_t i = 0; i < cells.size(); ++i) try {
       const auto& each = cell(cells[i]);
       const auto matrices = std::visit(ElementMaker{model_, each, i, parts}, property);
       scatter_of(model_.mesh.nodes_of(each), motions, scatter);
-      add_terms(pattern, scatter, matrices.stiffness, stiffness_sums);
-      add_terms(pattern, scatter, matrices.mass, mass_sums);
+      add_terms(matrices.stiffness, stiffness_sums);
+      add_terms(matrices.mass, mass_sums);
       for (const auto& term : matrices.mass)
         rigid_sums.try_emplace(term.powers, Matrix6::Zero()).first->second +=
             rigid_mass.of(model_.mesh.nodes_of(each), motions, term.matrix);
@@ -255,29 +268,14 @@ void Assembler::add_region(const std::string& region, const RegionProperty& prop
     }
   report(bad, region, issues);
   const auto move_sums = [&](Sums& sums, Terms& terms) {
-    std::map<Powers, std::vector<double>> by_term;
-    for (auto& [powers, sum] : sums) {
+    for (auto& [powers, sum] : sums.values) {
       const auto values = std::move(sum);  // as large as the matrix: not kept beside it for longer
-      const auto [term, factor] = term_of(named_powers(powers, region, material_of(property)));
-      add_scaled(values, factor, by_term[term]);
-    }
-    for (auto& [powers, sum] : by_term) {
-      const auto values = std::move(sum);
       add_to(terms, powers, pattern.matrix(values));
     }
   };
   for (const auto& [powers, sum] : rigid_sums) rigid_mass.add(named_powers(powers, region, material_of(property)), sum);
   move_sums(mass_sums, mass);
   move_sums(stiffness_sums, stiffness);
-}
-
-void Assembler::add_terms(const SparseSumPattern& pattern, const Scatter& scatter,
-                          const std::vector<ElementTerm>& terms, Sums& sums) {
-  for (const auto& term : terms) {
-    const auto [place, is_new] = sums.try_emplace(term.powers);
-    if (is_new) place->second = pattern.zero();
-    pattern.add(scatter, term.matrix, place->second);
-  }
 }
 
 /// One message for each reason, with the first of its cells.

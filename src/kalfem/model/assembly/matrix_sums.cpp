@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "kalfem/base/invalid_input.hpp"
 
@@ -89,17 +90,34 @@ void SparseSumPattern::add(const Scatter& scatter, const Eigen::MatrixXd& matrix
   }
 }
 
+// Both triangles are written at once. What a column mirrors of those before it is there when its own entries come, so
+// that its rows ascend.
 Eigen::SparseMatrix<double> SparseSumPattern::matrix(const std::vector<double>& values) const {
-  const auto size = static_cast<Eigen::Index>(starts_.size()) - 1;
-  Eigen::SparseMatrix<double> lower(size, size);
-  lower.reserve(values.size() - static_cast<std::size_t>(std::ranges::count(values, 0.0)));
-  for (Eigen::Index column = 0; column < size; ++column) {
-    lower.startVec(column);
-    for (auto i = starts_[static_cast<std::size_t>(column)]; i < starts_[static_cast<std::size_t>(column) + 1]; ++i)
-      if (values[i] != 0.0) lower.insertBack(rows_[i], column) = values[i];
-  }
-  lower.finalize();
-  return lower.selfadjointView<Eigen::Lower>();
+  const auto size = static_cast<int>(starts_.size()) - 1;
+  const auto visit = [&](auto visitor) {
+    for (int column = 0; column < size; ++column)
+      for (auto i = starts_[static_cast<std::size_t>(column)]; i < starts_[static_cast<std::size_t>(column) + 1]; ++i)
+        if (values[i] != 0.0) visitor(rows_[i], column, values[i]);
+  };
+  Eigen::SparseMatrix<double> sum(size, size);
+  int* const starts = sum.outerIndexPtr();
+  visit([&](int row, int column, double) {
+    ++starts[column + 1];
+    if (row != column) ++starts[row + 1];
+  });
+  std::partial_sum(starts, starts + size + 1, starts);
+  sum.resizeNonZeros(starts[size]);
+  std::vector<int> next(starts, starts + size);
+  const auto put = [&](int row, int column, double value) {
+    const int place = next[static_cast<std::size_t>(column)]++;
+    sum.innerIndexPtr()[place] = row;
+    sum.valuePtr()[place] = value;
+  };
+  visit([&](int row, int column, double value) {
+    put(row, column, value);
+    if (row != column) put(column, row, value);
+  });
+  return sum;
 }
 
 }  // namespace kalfem
