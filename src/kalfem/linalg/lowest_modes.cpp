@@ -264,16 +264,17 @@ void clean_rigid_modes(const Matrix& stiffness, LowestModes& modes) {
     modes.values[i] = 0.0;
 }
 
-/// The modes with the rigid ones, which the factor knows, before them.
+/// The modes with the rigid ones, which the factor knows, before them. They are moved within their memory.
 LowestModes behind(const MatrixXd& rigid_modes, LowestModes modes) {
-  if (rigid_modes.cols() == 0) return modes;
   const Index rigid = rigid_modes.cols(), elastic = modes.values.size();
+  if (rigid == 0) return modes;
   VectorXd values = VectorXd::Zero(rigid + elastic);
   values.tail(elastic) = modes.values;
-  MatrixXd vectors(rigid_modes.rows(), rigid + elastic);
-  vectors.leftCols(rigid) = rigid_modes;
-  vectors.rightCols(elastic) = modes.vectors;
-  return {std::move(values), std::move(vectors), modes.next, modes.solves};
+  modes.values = std::move(values);
+  modes.vectors.conservativeResize(Eigen::NoChange, rigid + elastic);
+  for (Index j = rigid + elastic; j-- > rigid;) modes.vectors.col(j) = modes.vectors.col(j - rigid);
+  modes.vectors.leftCols(rigid) = rigid_modes;
+  return modes;
 }
 
 void fix_signs(MatrixXd& vectors) {

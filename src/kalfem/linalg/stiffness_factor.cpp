@@ -84,8 +84,8 @@ VectorXd supports(const Matrix& stiffness, const MatrixXd& motions) {
   const VectorXd diagonal = stiffness.diagonal();
   VectorXd springs = VectorXd::Zero(diagonal.size());
   if (motions.cols() == 0) return springs;
-  const MatrixXd scaled = motions.transpose() * diagonal.cwiseMax(0.0).cwiseSqrt().asDiagonal();
-  const Eigen::ColPivHouseholderQR<MatrixXd> pivots(scaled);
+  MatrixXd scaled = motions.transpose() * diagonal.cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const Eigen::ColPivHouseholderQR<Eigen::Ref<MatrixXd>> pivots(scaled);  // in its place
   for (const Index dof : pivots.colsPermutation().indices().head(motions.cols())) springs[dof] = diagonal[dof];
   return springs;
 }
