@@ -64,9 +64,9 @@ SparseMatrix projected_stiffness(const SparseMatrix& stiffness, const MatrixXd& 
   MatrixXd reduced = MatrixXd::Zero(T.cols(), T.cols());
   reduced.topLeftCorner(n_b, n_b) = gram(T.leftCols(n_b), stiffness);
   // The energy of a coordinate that moves the whole rigidly is rounding, of either sign.
-  const VectorXd cancelled = T.leftCols(n_b).cwiseAbs2().transpose() * stiffness.diagonal();
+  const VectorXd diagonal = stiffness.diagonal();
   for (Index j = 0; j < n_b; ++j)
-    if (reduced(j, j) <= std::numeric_limits<double>::epsilon() * cancelled[j]) {
+    if (reduced(j, j) <= std::numeric_limits<double>::epsilon() * diagonal.dot(T.col(j).cwiseAbs2())) {
       reduced.row(j).setZero();
       reduced.col(j).setZero();
     }
@@ -186,10 +186,15 @@ double captured(const VectorXd& momentum, const MatrixXd& shapes, const VectorXd
   return std::min(part, 1.0);
 }
 
-double residual(const LinearModel& full, const VectorXd& shape, double value) {
-  if (value == 0.0) return 0.0;  // rounding against rounding
-  const VectorXd elastic = full.stiffness * shape;
-  return (elastic - value * (full.mass * shape)).norm() / elastic.norm();
+/// |K phi - lambda M phi| / |K phi| of the leading shapes; 0 where lambda is, as that is rounding against rounding.
+VectorXd residuals(const LinearModel& full, const TallMatrix& shapes, const VectorXd& values) {
+  VectorXd sizes = VectorXd::Zero(shapes.cols());
+  visit_products(full.stiffness, shapes, [&](Index first, const TallMatrix& forces) {
+    for (Index j = 0; j < forces.cols(); ++j)
+      if (const double value = values[first + j]; value != 0.0)
+        sizes[first + j] = (forces.col(j) - value * (full.mass * shapes.col(first + j))).norm() / forces.col(j).norm();
+  });
+  return sizes;
 }
 
 }  // namespace
@@ -237,11 +242,12 @@ void compare_modes(const LinearModel& full, const Superelement& reduced, double 
   // Small as it is, the reduced stiffness does not show how large the energies are that cancel in a rigid-body mode.
   for (Index i = 0; i < own.values.size() && moves_rigidly(full.stiffness, shapes.col(i)); ++i) own.values[i] = 0.0;
   const Index count = std::min(exact.frequencies.size(), own.values.size());
+  const VectorXd residual = residuals(full, shapes.leftCols(count), own.values);
   for (Index i = 0; i < count; ++i)
     error_indicators.modes.push_back({.full = exact.frequencies[i],
                                       .reduced = frequency(own.values[i]),
                                       .mac = captured(full.mass * exact.shapes.col(i), shapes, own.values, i),
-                                      .residual = residual(full, shapes.col(i), own.values[i])});
+                                      .residual = residual[i]});
   // The highest kept modes strain otherwise than the full model's in any reduction, far above what sensors see.
   if (const Index lower = std::min(count, (exact.frequencies.array() <= 0.5 * up_to).count()); lower > 0)
     error_indicators.gauges = compare_strains(full, exact.shapes.leftCols(lower), shapes);
