@@ -73,6 +73,18 @@ TEST(SparseFactor, SolvesAsTheDenseFactorDoes) {
   }
 }
 
+// More columns than are solved for at once, in panels of 24, 24 and 22.
+TEST(SparseFactor, SolvesForManyColumns) {
+  for (const auto& matrix : {random_definite(300), grid(12, 0.1)}) {
+    const SparseFactor factor(matrix);
+    const MatrixXd right_side = MatrixXd::Random(matrix.rows(), 70);
+    MatrixXd solution = right_side;
+    factor.solve(solution, solution);
+    EXPECT_LT((matrix * solution - right_side).norm() / right_side.norm(), 1e-14);
+    EXPECT_EQ(factor.solve(right_side), solution);
+  }
+}
+
 TEST(SparseFactor, SolvesIntoBlocksAndInPlace) {
   const SparseMatrix<double> matrix = grid(15, 0.5);
   const SparseFactor factor(matrix);

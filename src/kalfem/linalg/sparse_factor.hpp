@@ -31,7 +31,7 @@ using EliminationOrder = std::vector<std::int64_t>;
 ///
 /// A pivot L_jj^2 below 1e-13 A_jj counts as zero: a singular matrix leaves pivots of a few hundred roundings, and a
 /// regular one with such a pivot would leave no three digits of the solution.
-/// Solving does not allocate once it was done with as many right-hand sides; one thread at a time.
+/// Solving does not allocate once it was done with as many right-hand sides, up to 32; one thread at a time.
 class SparseFactor {
 public:
   /// Only the upper triangle is read. Throws NotPositiveDefinite, and InvalidInput where A is not square.
