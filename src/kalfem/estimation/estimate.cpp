@@ -226,13 +226,15 @@ private:
   /// Of all states, or only of unknowns and internal states.
   void store_deviations(Index k) {
     auto deviations = result_.state.deviation.col(k);
-    if (!options_.state_deviations)
-      deviations(in_any_coordinates_) =
-          setup_->filter->covariance_of(in_any_coordinates_).diagonal().cwiseMax(0.0).cwiseSqrt();
-    else if (augmented_model_.options().coordinates == StateCoordinates::modal)
+    if (augmented_model_.options().coordinates == StateCoordinates::modal && options_.state_deviations) {
       deviations = model().physical_covariance(setup_->filter->covariance()).diagonal().cwiseMax(0.0).cwiseSqrt();
+      return;
+    }
+    const VectorXd own = setup_->filter->standard_deviation();
+    if (options_.state_deviations)
+      deviations = own;
     else
-      deviations = setup_->filter->standard_deviation();
+      deviations(in_any_coordinates_) = own(in_any_coordinates_);
   }
 
   FilterOutcome store_monitored(Index k) {
