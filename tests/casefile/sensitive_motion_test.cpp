@@ -13,11 +13,11 @@ const std::string rattle =
     R"(simulate: {duration: 60 s, sample_rate: 100 Hz, integrator: newmark, first_substeps: 8, max_substeps: 128}
 )";
 
-TEST(SensitiveMotion, IsSaidWhereHalvingTheStepDoesNotHelp) {
+TEST(SensitiveMotion, IsSaidWhereRefiningTheStepDoesNotHelp) {
   const auto results = results_of(rattle, Step::simulate);
   ASSERT_FALSE(results.complete());
   for (const char* part :
-       {"chaotic or very sensitive", "halving the step does not reduce the difference", "simulate.substeps: 128"})
+       {"chaotic or very sensitive", "refining the step does not reduce the difference", "simulate.substeps: 128"})
     EXPECT_NE(results.failure.find(part), std::string::npos) << results.failure;
   EXPECT_EQ(results.failure.find("raise simulate.max_substeps"), std::string::npos);
   ASSERT_EQ(results.simulation->reference.changes.size(), 4U);

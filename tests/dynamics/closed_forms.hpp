@@ -56,6 +56,15 @@ inline SignalPtr straight_lines(const Eigen::VectorXd& samples, double sample_ra
       samples, {.sample_rate = sample_rate, .interpolation = Interpolation::linear, .beyond = BeyondRecord::hold});
 }
 
+/// An undamped oscillator with a law beside its spring.
+inline CoupledModel with_law(const ConnectorLawPtr& law) {
+  return oscillator(1.0, 0.0, 1e3, {{"strut", "body.ground", "body.x", law, Eigen::VectorXd()}});
+}
+
+inline OutputMap displacement_of(const CoupledModel& model) {
+  return make_outputs(model, {{"d", ObservedQuantity::displacement, {{"body.x", 1.0}}}});
+}
+
 inline InitialState start_at(double d, double v, Eigen::Index connector_states = 0) {
   auto state = at_rest(1, connector_states);
   state.displacement[0] = d;

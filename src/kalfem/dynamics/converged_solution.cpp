@@ -16,12 +16,20 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 
 constexpr std::size_t most_extrapolations = 2;
-/// Of successive changes of plain solutions, where their order of two shows: four, but for what the next power adds.
-constexpr double least_ratio = 3.0, most_ratio = 5.0;
-/// Change of a halving to that two halvings before, above which they lead nowhere.
+/// Change of a refinement to that two refinements before, above which they lead nowhere.
 constexpr double stagnant_ratio = 0.7;
 /// Smaller changes come from rounding and from the solution for the connector forces.
 constexpr double stagnant_change = 1e-4;
+
+/// Steps of the k-th solution, in those of the first: 1, 2, 3, 6, 12 ...
+Index refinement(Index k) { return k < 2 ? k + 1 : Index{3} << (k - 2); }
+
+/// Steps of the first so many solutions together, in those of the first one.
+Index cost_of(Index solutions) {
+  Index cost = 0;
+  for (Index k = 0; k < solutions; ++k) cost += refinement(k);
+  return cost;
+}
 
 MatrixXd every(const MatrixXd& fine, Index substeps) { return fine(Eigen::all, Eigen::seq(0, Eigen::last, substeps)); }
 
@@ -41,15 +49,33 @@ double largest_change(const MatrixXd& finer, const MatrixXd& coarser) {
   return change;
 }
 
+/// Steps a sample of the solutions that are extrapolated, coarsest first: n_0 ... n_k.
+using Refinements = std::vector<Index>;
+
+/// Change from S_k-1,j to S_k,j in errors of S_k,j, which are of order (n_k-j ... n_k)^-2.
+double change_in_errors(const Refinements& steps, std::size_t j) {
+  const double ratio = static_cast<double>(steps.back()) / static_cast<double>(steps[steps.size() - 2 - j]);
+  return ratio * ratio - 1.0;
+}
+
+/// The change from S_k-2,j to S_k-1,j over that from S_k-1,j to S_k,j if they err by (n_k-j ... n_k)^-power.
+double ratio_of_changes(const Refinements& steps, std::size_t j, int power) {
+  const auto error = [&](std::size_t before_last) {
+    double product = 1.0;
+    for (std::size_t i = 0; i <= j; ++i) product *= static_cast<double>(steps[steps.size() - 1 - before_last - i]);
+    return std::pow(product, -power);
+  };
+  return (error(2) - error(1)) / (error(1) - error(0));
+}
+
 /// A solution at the record's samples.
 struct Sampled {
   SimulationResult simulation;
   MatrixXd sensors;
 
-  /// This one and `coarser`, of twice the step, with the error of order h^(2 power) taken out.
-  [[nodiscard]] Sampled extrapolated(const Sampled& coarser, Index power) const {
-    const double weight = 1.0 / (std::pow(4.0, static_cast<double>(power)) - 1.0);
-    const auto extrapolate = [&](MatrixXd& finer, const MatrixXd& other) { finer += weight * (finer - other); };
+  /// This one less its error, which is `part` of its change from the coarser one.
+  [[nodiscard]] Sampled extrapolated(const Sampled& coarser, double part) const {
+    const auto extrapolate = [&](MatrixXd& finer, const MatrixXd& other) { finer += part * (finer - other); };
     Sampled result = *this;
     extrapolate(result.sensors, coarser.sensors);
     extrapolate(result.simulation.every_sample, coarser.simulation.every_sample);
@@ -60,34 +86,40 @@ struct Sampled {
   }
 };
 
-/// What is left of the error of S_k,j when the step is halved, where plain solutions err by a third of their last
-/// change: a change of S_k,j counts as one of S_k,0 with the same error.
-double gain(std::size_t extrapolations) { return 3.0 / (std::pow(4.0, static_cast<double>(extrapolations + 1)) - 1.0); }
-
-/// The solutions S_k,0 ... S_k,j of one step, from the plain one and those of twice the step.
-std::vector<Sampled> extrapolations(Sampled plain, const std::vector<Sampled>& coarser) {
+/// The solutions S_k,0 ... S_k,j with n_k steps, from the plain one and S_k-1,0 ... S_k-1,j-1.
+std::vector<Sampled> extrapolations(Sampled plain, const std::vector<Sampled>& coarser, const Refinements& steps) {
   std::vector<Sampled> row{std::move(plain)};
-  for (std::size_t j = 1; j <= std::min(coarser.size(), most_extrapolations); ++j)
-    row.push_back(row[j - 1].extrapolated(coarser[j - 1], static_cast<Index>(j)));
+  for (std::size_t j = 0; j < std::min(coarser.size(), most_extrapolations); ++j)
+    row.push_back(row[j].extrapolated(coarser[j], 1.0 / change_in_errors(steps, j)));
   return row;
 }
 
-/// How far the last halving of the step has moved the sensors' records.
+/// How far the last refinement of the step has moved the sensors' records.
 struct Movement {
-  double plain = 1.0;              ///< of S_k,0
-  double least = 1.0;              ///< of the S_k,j that has moved least, by its gain
-  std::size_t extrapolations = 0;  ///< j
+  std::vector<double> changes = {};  ///< from S_k-1,j to S_k,j for each j
+  double least = 1.0;                ///< three times the error of the S_k,j that errs least
+  std::size_t extrapolations = 0;    ///< j
 };
 
-/// `before`: the change of the plain solutions in the halving before.
-Movement movement(const std::vector<Sampled>& finer, const std::vector<Sampled>& coarser, double before) {
+/// Whether two successive changes of S_.,j are nearer to those of its order, two in each step, than to those of one.
+bool shows_order(const Refinements& steps, std::size_t j, const std::vector<double>& before,
+                 const std::vector<double>& changes) {
+  if (j >= before.size()) return false;
+  const double expected = ratio_of_changes(steps, j, 2), of_first_order = ratio_of_changes(steps, j, 1);
+  return std::abs(before[j] / changes[j] - expected) < 0.5 * (expected - of_first_order);
+}
+
+/// `before`: the changes in the refinement before. S_k,j is trusted to err by what its change tells if the less
+/// extrapolated ones show their order; otherwise it counts as no better than the last one of these for its change.
+Movement movement(const std::vector<Sampled>& finer, const std::vector<Sampled>& coarser, const Refinements& steps,
+                  const std::vector<double>& before) {
   Movement moved;
-  if (coarser.empty()) return moved;
-  moved.plain = moved.least = largest_change(finer[0].sensors, coarser[0].sensors);
-  const bool second_order = before > least_ratio * moved.plain && before < most_ratio * moved.plain;
-  for (std::size_t j = 1; j < coarser.size(); ++j) {
-    const double change = (second_order ? gain(j) : 1.0) * largest_change(finer[j].sensors, coarser[j].sensors);
-    if (change <= moved.least) moved.least = change, moved.extrapolations = j;
+  std::size_t trusted = 0;
+  for (std::size_t j = 0; j < coarser.size(); ++j) {
+    moved.changes.push_back(largest_change(finer[j].sensors, coarser[j].sensors));
+    if (j > 0 && trusted == j - 1 && shows_order(steps, trusted, before, moved.changes)) trusted = j;
+    const double tripled_error = 3.0 / change_in_errors(steps, trusted) * moved.changes[j];
+    if (j == 0 || tripled_error <= moved.least) moved.least = tripled_error, moved.extrapolations = j;
   }
   return moved;
 }
@@ -122,12 +154,12 @@ public:
   }
 
   /// The coarsest solutions side by side in two threads: those with `first` and 2 `first` steps a sample, which tell
-  /// together whether a finer one is needed; the finer one too where they disagree over the begin of the record
-  /// already.
+  /// together whether a finer one is needed; where they disagree over the begin of the record already, the one with
+  /// 3 `first` steps too, which takes as long as both.
   void make_ahead(Index first, const std::vector<MeasurementChain>& chains) {
     std::vector<Index> finest_first{2 * first, first};
-    if (4 * first <= convergence_.max_substeps && disagree_soon(first, chains))
-      finest_first.insert(finest_first.begin(), 4 * first);
+    if (3 * first <= convergence_.max_substeps && disagree_soon(first, chains))
+      finest_first.insert(finest_first.begin(), 3 * first);
     for (auto& [substeps, made] : side_by_side(finest_first, options_.duration, progress_of(finest_first[0])))
       ahead_[substeps] = std::move(made);
   }
@@ -164,26 +196,26 @@ private:
     return largest_change(recorded(2 * first), recorded(first)) > convergence_.tolerance;
   }
 
-  /// Of all solutions while the one with so many substeps is made, which takes as long as all coarser ones together.
-  /// How many will be needed is not known: most often `expected`; each further one takes half of what is left.
+  /// Of all solutions while the one with so many substeps is made. How many will be needed is not known: most often
+  /// `expected`; each further one takes half of what is left.
   [[nodiscard]] Progress progress_of(Index substeps) const {
     if (!options_.progress || !convergence_.refine) return options_.progress;
-    constexpr int expected = 4;
+    constexpr Index expected = 4;
     constexpr double up_to_expected = 0.9;
-    const auto number = [&](Index steps) {
-      int halvings = 1;
-      for (Index k = convergence_.first_substeps; 2 * k <= steps; k *= 2) ++halvings;
-      return halvings;
+    const auto solutions_up_to = [&](Index steps) {
+      Index solutions = 0;
+      while (convergence_.first_substeps * refinement(solutions) <= steps) ++solutions;
+      return solutions;
     };
-    const auto done_after = [](int solutions) {
+    const auto done_after = [](Index solutions) {
       return solutions <= expected
-                 ? up_to_expected * (std::ldexp(1.0, solutions) - 1.0) / (std::ldexp(1.0, expected) - 1.0)
-                 : 1.0 - (1.0 - up_to_expected) * std::ldexp(1.0, expected - solutions);
+                 ? up_to_expected * static_cast<double>(cost_of(solutions)) / static_cast<double>(cost_of(expected))
+                 : 1.0 - (1.0 - up_to_expected) * std::ldexp(1.0, static_cast<int>(expected - solutions));
     };
-    const int current = number(substeps);
+    const Index current = solutions_up_to(substeps);
     return [whole = part_of(options_.progress, done_after(current - 1), done_after(current)),
             words = "reference " + std::to_string(current) + " of at most " +
-                    std::to_string(number(convergence_.max_substeps))](std::string_view, double fraction) {
+                    std::to_string(solutions_up_to(convergence_.max_substeps))](std::string_view, double fraction) {
       whole(words, fraction);
     };
   }
@@ -219,6 +251,7 @@ ConvergedSolution simulate_converged(const LocallyNonlinearSystem& system, const
   check(options);
   ConvergedSolution reference;
   std::vector<Sampled> coarser;
+  Refinements steps;
   std::vector<double> changes;
   Movement moved;
   simulation.every_step = sensors;
@@ -226,25 +259,28 @@ ConvergedSolution simulate_converged(const LocallyNonlinearSystem& system, const
                      2 * options.first_substeps <= options.max_substeps;
   Simulations simulations(system, signals, initial, std::move(simulation), options);
   if (ahead) simulations.make_ahead(options.first_substeps, chains);
-  for (Index substeps = options.first_substeps; substeps <= options.max_substeps; substeps *= 2) {
+  for (Index k = 0; options.first_substeps * refinement(k) <= options.max_substeps; ++k) {
+    const Index substeps = options.first_substeps * refinement(k);
     reference = {.simulation = simulations.take(substeps), .substeps = substeps, .last_change = 1.0};
     if (reference.simulation.failure) {
       coarser.clear();
-      changes.clear();
+      steps.clear();
       moved = {};
+      changes.clear();
       if (!options.refine) break;
       continue;  // a smaller step may converge
     }
     Sampled plain{std::move(reference.simulation), {}};
     plain.sensors = record(plain.simulation.every_step, chains, 1.0 / simulations.step(substeps), substeps);
     plain.simulation.every_step.resize(0, 0);
-    auto row = extrapolations(std::move(plain), coarser);
-    moved = movement(row, coarser, moved.plain);
+    steps.push_back(substeps);
+    auto row = extrapolations(std::move(plain), coarser, steps);
+    moved = movement(row, coarser, steps, moved.changes);
     reference.simulation = row[moved.extrapolations].simulation;
     reference.sensors = row[moved.extrapolations].sensors;
     reference.extrapolations = static_cast<Index>(moved.extrapolations);
     reference.last_change = moved.least;
-    if (!coarser.empty()) changes.push_back(moved.least);
+    if (!coarser.empty()) changes.push_back(moved.changes.front());
     reference.changes = changes;
     reference.converged = !coarser.empty() && moved.least <= options.tolerance;
     coarser = std::move(row);

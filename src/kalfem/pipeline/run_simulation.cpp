@@ -27,7 +27,7 @@ std::vector<MeasurementChain> chains_of(const std::vector<Sensor>& sensors) {
 /// step size.
 std::string not_converged(const ConvergedSolution& reference, int max_substeps) {
   if (!reference.stagnates())
-    return "the simulation did not converge: halving the step to 1/" + std::to_string(reference.substeps) +
+    return "the simulation did not converge: refining the step to 1/" + std::to_string(reference.substeps) +
            " of a sample still changes a sensor's record by " + shortest(reference.last_change) +
            " of its rms; raise simulate.max_substeps or simulate.tolerance";
   std::string changes;
@@ -36,10 +36,10 @@ std::string not_converged(const ConvergedSolution& reference, int max_substeps) 
                 : i + 1 == reference.changes.size() ? " and "
                                                     : ", ") +
                shortest(std::round(1e3 * reference.changes[i]) / 1e3);
-  return "the motion is chaotic or very sensitive: halving the step does not reduce the difference between two records "
+  return "the motion is chaotic or very sensitive: refining the step does not reduce the difference between two records "
          "(" +
          changes +
-         " of a sensor's rms in the last three halvings), so more substeps cannot help; use a fixed step with "
+         " of a sensor's rms in the last three refinements), so more substeps cannot help; use a fixed step with "
          "simulate.substeps: " +
          std::to_string(max_substeps) + ", which gives one of the possible motions, or simulate a shorter time";
 }

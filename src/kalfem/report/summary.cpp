@@ -162,7 +162,7 @@ Json timing_summary(const Study& study, const StudyResults& results) {
   return timing;
 }
 
-/// Nothing where the step was not halved.
+/// Nothing where the step was not refined.
 Json last_change(const Study& study, const ConvergedSolution& reference) {
   return study.simulation->has_fixed_step() ? Json() : number(reference.last_change);
 }

@@ -39,7 +39,7 @@ std::vector<Name> targets_of(const std::string& name, const Entry& entry, const 
   return {{name, place, path}};
 }
 
-/// The step is either fixed or halved until a tolerance is met; the case must not give keys of both.
+/// The step is either fixed or refined until a tolerance is met; the case must not give keys of both.
 void check_steps(const d::Simulation& given, IssueList& issues) {
   const d::Simulation defaults;
   if (given.substeps && (given.tolerance != defaults.tolerance || given.first_substeps != defaults.first_substeps ||
