@@ -70,9 +70,9 @@ struct Parts {
       : system(system),
         h(step),
         p(p),
-        directions(system.connector_directions()),
+        directions(system.connector_directions().sparseView()),
         modal_damping(effective, system.modal_damping, system.mass, (1.0 - p.alpha_f) * p.gamma * step),
-        response(-(1.0 - p.alpha_f) * effective.solve(directions)) {
+        response(-(1.0 - p.alpha_f) * effective.solve(MatrixXd(directions))) {
     const VectorXd none = VectorXd::Zero(system.size());
     for (auto column : response.colwise()) {
       VectorXd completed = column;
@@ -84,7 +84,7 @@ struct Parts {
   const LocallyNonlinearSystem& system;
   double h;
   AlphaParameters p;
-  MatrixXd directions;  ///< B
+  SparseMatrix directions;  ///< B
   LowRankPart<Scalar> modal_damping;
   MatrixXd response;  ///< W
 };
@@ -142,16 +142,15 @@ public:
   void solve(const Motion& begin, const VectorXd& a, const VectorXd& load, VectorXd& free) override {
     const double f = 1.0 - parts_.p.alpha_f, h = parts_.h;
     displacement_.noalias() = begin.displacement + f * h * begin.velocity + (0.5 * f * h * h) * a;
-    velocity_.noalias() = begin.velocity + f * h * a;
+    rate_.noalias() = -begin.velocity - f * h * a;
     product_.multiply(displacement_, a, residual_);
     residual_ = load - residual_;
     residual_.noalias() -= parts_.directions * begin.force;
-    if (parts_.system.damping.nonZeros() > 0) residual_.noalias() -= parts_.system.damping * velocity_;
+    if (parts_.system.damping.nonZeros() > 0) residual_.noalias() += parts_.system.damping * rate_;
     rounded_.solve(residual_, free);
-    velocity_ = -velocity_;
-    parts_.modal_damping.complete(velocity_, free);
+    parts_.modal_damping.complete(rate_, free);
     free += a;
-    free.noalias() -= parts_.response * begin.force;
+    if (begin.force.size() > 0) free.noalias() -= parts_.response * begin.force;
   }
 
   [[nodiscard]] const MatrixXd& response() const override { return parts_.response; }
@@ -162,7 +161,7 @@ private:
   SinglePrecisionFactor rounded_;
   double error_;
   PairedProduct product_;  ///< of K and M
-  VectorXd displacement_, velocity_, residual_;
+  VectorXd displacement_, rate_, residual_;
 };
 
 /// Largest error of single-precision solutions against double-precision ones, relative, in the norm of A: for loads on
