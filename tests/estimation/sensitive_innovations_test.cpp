@@ -59,7 +59,8 @@ TEST(SensitiveInnovations, AreTheResidualsAtTheLastEstimateAndTheirDerivatives) 
   ASSERT_EQ(found.derivative.size(), 2U);
   for (Index k = first; k < samples; ++k) {
     const VectorXd h = slope_at(k);
-    EXPECT_NEAR(found.value(0, k - first), (measured_at(k) - h.dot(history.mean.col(history.last()))) / noise, 1e-12) << k;
+    EXPECT_NEAR(found.value(0, k - first), (measured_at(k) - h.dot(history.mean.col(history.last()))) / noise, 1e-12)
+        << k;
     for (Index i = 0; i < 2; ++i)
       EXPECT_NEAR(found.derivative[static_cast<std::size_t>(i)](0, k - first), -h[i] / noise, 1e-12) << k;
   }

@@ -263,7 +263,8 @@ Schema<Simulation> simulation() {
           .optional("spectral_radius", &Simulation::spectral_radius, number("-", Bounds::between(0, 1)),
                     "spectral radius of generalized_alpha at infinite frequency")
           .optional("tolerance", &Simulation::tolerance, number("-", Bounds::positive()),
-                    "the step is refined until halving it would change no sensor's record by more than this fraction of its rms")
+                    "the step is refined until halving it would change no sensor's record by more than this fraction "
+                    "of its rms")
           .optional("reference", &Simulation::superelements,
                     choice<bool>({{"full", false, "all degrees of freedom"},
                                   {"superelement", true, "a superelement with many modes"}}),

@@ -24,6 +24,8 @@ private:
 };
 
 /// Of one covariance.
-inline Eigen::MatrixXd scaled_inverse(const Eigen::Ref<const Eigen::MatrixXd>& covariance) { return ScaledInverse()(covariance); }
+inline Eigen::MatrixXd scaled_inverse(const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
+  return ScaledInverse()(covariance);
+}
 
 }  // namespace kalfem
