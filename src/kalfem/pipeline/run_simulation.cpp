@@ -37,8 +37,7 @@ std::string not_converged(const ConvergedSolution& reference, int max_substeps) 
                                                     : ", ") +
                shortest(std::round(1e3 * reference.changes[i]) / 1e3);
   return "the motion is chaotic or very sensitive: refining the step does not reduce the difference between two "
-         "records "
-         "(" +
+         "records (" +
          changes +
          " of a sensor's rms in the last three refinements), so more substeps cannot help; use a fixed step with "
          "simulate.substeps: " +
