@@ -1,15 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <numbers>
 
 #include "dynamics/closed_forms.hpp"
 #include "kalfem/system/signals/deterministic.hpp"
 
 namespace kalfem {
 namespace {
-
-using Eigen::ArrayXd;
 
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 const SignalPtr rest_signal = make_constant(0.0);
