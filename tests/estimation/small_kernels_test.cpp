@@ -241,7 +241,7 @@ TEST(Gain, TimesTheFactorIsTheWhitenedCovariance) {
   for (const Index channels : {1, 4, 16, 17, 40}) {
     const MatrixXd cross = random_matrix(24, channels);
     const MatrixXd lower = random_lower(channels) + 10.0 * MatrixXd::Identity(channels, channels);
-    EXPECT_TRUE((gain_of(cross, lower) * lower).isApprox(cross, 1e-12)) << channels;
+    EXPECT_TRUE((gain_from(cross, lower) * lower).isApprox(cross, 1e-12)) << channels;
   }
 }
 
