@@ -142,6 +142,7 @@ private:
   void stop(Index k, FilterOutcome outcome) {
     FailureTrace trace{.outcome = outcome, .sample = k, .computed = k, .connector = {}};
     if (outcome == FilterOutcome::linear_part_impossible) trace.computed = k + 1;
+    leave_out(trace.computed);
     if (outcome == FilterOutcome::model_not_evaluable) trace.connector = setup_->failed_connector();
     result_.failure = explain_failure(trace, augmented_model_, input_, options_, result_);
   }
@@ -162,21 +163,29 @@ private:
   /// The augmented model as it is linearised now.
   [[nodiscard]] const AugmentedModel& model() const { return *setup_->augmented_model; }
 
+  /// Every sample that is computed sets all of its column, but for what `state` is not asked for and channels that are
+  /// missing.
   void allocate() {
     const Index samples = input_.measured.samples(), l = input_.measured.values.rows();
-    const auto series = [&](Index rows) {
-      return EstimatedSeries{MatrixXd::Constant(rows, samples, not_a_number),
-                             MatrixXd::Constant(rows, samples, not_a_number)};
-    };
-    result_.state = series(augmented_model_.layout().size());
-    result_.unknowns = series(augmented_model_.layout().unknowns);
-    result_.monitored = series(options_.monitored.size());
-    result_.innovation = result_.innovation_deviation = MatrixXd::Constant(l, samples, not_a_number);
-    if (l <= most_covariances)
-      result_.innovation_covariance = MatrixXd::Constant(l * (l + 1) / 2, samples, not_a_number);
+    const auto none = [&](Index rows) { return MatrixXd::Constant(rows, samples, not_a_number); };
+    const auto unset = [&](Index rows) { return MatrixXd(rows, samples); };
+    const Index n = augmented_model_.layout().size(), unknowns = augmented_model_.layout().unknowns;
+    result_.state.mean = options_.state_means ? unset(n) : none(n);
+    result_.state.deviation = options_.state_deviations ? unset(n) : none(n);
+    result_.unknowns = {unset(unknowns), unset(unknowns)};
+    result_.monitored = {unset(options_.monitored.size()), unset(options_.monitored.size())};
+    result_.innovation = result_.innovation_deviation = none(l);
+    if (l <= most_covariances) result_.innovation_covariance = none(l * (l + 1) / 2);
     result_.nis = VectorXd::Constant(samples, not_a_number);
     result_.log_density = VectorXd::Zero(samples);
     result_.measured = Eigen::VectorXi::Zero(samples);
+  }
+
+  /// The samples from the first one that is not computed.
+  void leave_out(Index first) {
+    for (auto* series : {&result_.state, &result_.unknowns, &result_.monitored})
+      for (auto* values : {&series->mean, &series->deviation})
+        values->rightCols(values->cols() - first).setConstant(not_a_number);
   }
 
   FilterOutcome store(Index k) {
