@@ -9,7 +9,7 @@ namespace kalfem {
 class ErrorInBand {
 public:
   ErrorInBand(Eigen::Index samples, double sample_rate, const FrequencyBand& band)
-      : transform_(samples), sample_rate_(sample_rate), band_(band) {}
+      : transform_(samples, 4), sample_rate_(sample_rate), band_(band) {}
 
   double operator()(const Eigen::VectorXd& estimate, const Eigen::VectorXd& reference);
 

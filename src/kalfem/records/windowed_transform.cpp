@@ -10,10 +10,10 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// The least 4 2^a 3^b 5^c that is not below n: transforms of other lengths take a time that grows with n times its
-/// largest prime factor, and those of real signals whose length is no multiple of four twice as long.
-Index fast_length(Index n) {
-  for (Index length = 4 * ((std::max<Index>(n, 1) + 3) / 4);; length += 4) {
+/// The least 2^a 3^b 5^c that is a multiple of `multiple` and not below n: transforms of other lengths take a time that
+/// grows with n times its largest prime factor.
+Index fast_length(Index n, Index multiple) {
+  for (Index length = multiple * ((std::max<Index>(n, 1) + multiple - 1) / multiple);; length += multiple) {
     Index rest = length;
     for (const Index factor : {2, 3, 5})
       while (rest % factor == 0) rest /= factor;
@@ -28,8 +28,8 @@ VectorXd hann_window(Index n) {
   return 0.5 - 0.5 * VectorXd::LinSpaced(n, 0.0, last).array().cos();
 }
 
-WindowedTransform::WindowedTransform(Index length)
-    : window_(hann_window(length)), windowed_(VectorXd::Zero(fast_length(length))) {}
+WindowedTransform::WindowedTransform(Index length, Index multiple)
+    : window_(hann_window(length)), windowed_(VectorXd::Zero(fast_length(length, multiple))) {}
 
 const Eigen::VectorXcd& WindowedTransform::operator()(const VectorXd& signal) {
   windowed_.head(window_.size()) = signal.cwiseProduct(window_);
