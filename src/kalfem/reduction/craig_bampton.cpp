@@ -129,14 +129,14 @@ Superelement reduced(const LinearModel& model, const std::vector<std::string>& n
   error_indicators.order = std::move(solved.order);
   error_indicators.solves = solved.kept.modes.solves + solved.constraint_modes.cols();
 
-  const LowestModes further =
-      augmentation_vectors(parts, std::move(solved.inertia_response), solved.kept.modes.vectors);
+  LowestModes further = augmentation_vectors(parts, std::move(solved.inertia_response), solved.kept.modes.vectors);
   if (further.values.size() > 0)
     error_indicators.reason += ", " + std::to_string(further.values.size()) + " modal truncation augmentation vectors";
   VectorXd values(kept.size() + further.values.size());
   values << solved.kept.modes.values, further.values;
   element.boundary = parts.boundary;
-  element.basis = transformation(parts, solved.constraint_modes, {solved.kept.modes.vectors, further.vectors});
+  element.basis = transformation(parts, std::move(solved.constraint_modes), std::move(solved.kept.modes.vectors),
+                                 std::move(further.vectors));
   element.model =
       projected_model(model, element.basis, values, reduced_names(names, kept.size(), further.values.size()));
   return element;

@@ -158,11 +158,12 @@ Superelement free_interface(const LinearModel& model, const std::vector<std::str
   const Partition parts = partition(model, names);
   const FreeModes free = free_modes(model, options.modes, options.whole.get());
   const SelectedModes& kept = free.selected;
-  const Space space = rubin_space(model, parts, kept);
+  Space space = rubin_space(model, parts, kept);
 
   Superelement element;
+  element.error_indicators.static_error = static_error(parts, space.static_part);
   element.boundary = parts.boundary;
-  element.basis = transformation(parts, space.static_part, {space.modes.vectors});
+  element.basis = transformation(parts, std::move(space.static_part), std::move(space.modes.vectors));
   element.model =
       projected_model(model, element.basis, space.modes.values, with_modes(names, space.modes.values.size()));
   ReductionErrorIndicators& error_indicators = element.error_indicators;
@@ -172,7 +173,6 @@ Superelement free_interface(const LinearModel& model, const std::vector<std::str
         to_macneal(model, names, kept.modes.values, element)
             ? kept.reason + ", and the residual flexibility of the boundary without its mass"
             : error_indicators.reason + " (too few modes are left out for MacNeal's form to exist)";
-  error_indicators.static_error = static_error(parts, space.static_part);
   error_indicators.fixed_interface_frequencies = natural_frequencies(kept.modes.values);
   error_indicators.highest_kept =
       kept.modes.values.size() > 0 ? error_indicators.fixed_interface_frequencies.tail(1)[0] : 0.0;

@@ -119,18 +119,18 @@ VectorXd natural_frequencies(const VectorXd& values) {
 
 MatrixXd symmetric(const MatrixXd& matrix) { return 0.5 * (matrix + matrix.transpose()); }
 
-MatrixXd transformation(const Partition& parts, const MatrixXd& static_part,
-                        std::initializer_list<std::reference_wrapper<const MatrixXd>> modes) {
-  Index columns = static_part.cols();
-  for (const MatrixXd& shapes : modes) columns += shapes.cols();
-  MatrixXd T(static_cast<Index>(parts.boundary.size() + parts.interior.size()), columns);
+// From the last column to the first: the shapes shrink as T grows, whose memory is taken where it is written.
+MatrixXd transformation(const Partition& parts, MatrixXd static_part, MatrixXd modes, MatrixXd further_modes) {
+  MatrixXd T(static_cast<Index>(parts.boundary.size() + parts.interior.size()),
+             static_part.cols() + modes.cols() + further_modes.cols());
+  Index end = T.cols();
+  for (MatrixXd* shapes : {&further_modes, &modes, &static_part})
+    while (const Index count = std::min<Index>(8, shapes->cols())) {
+      end -= count;
+      T(parts.interior, Eigen::seqN(end, count)) = shapes->rightCols(count);
+      shapes->conservativeResize(Eigen::NoChange, shapes->cols() - count);
+    }
   T(parts.boundary, Eigen::all).setIdentity();
-  T(parts.interior, Eigen::seqN(0, static_part.cols())) = static_part;
-  Index first = static_part.cols();
-  for (const MatrixXd& shapes : modes) {
-    T(parts.interior, Eigen::seqN(first, shapes.cols())) = shapes;
-    first += shapes.cols();
-  }
   return T;
 }
 

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <functional>
-#include <initializer_list>
-
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/reduction/partition.hpp"
 #include "kalfem/reduction/superelement.hpp"
@@ -24,9 +21,10 @@ Eigen::VectorXd natural_frequencies(const Eigen::VectorXd& values);
 /// (A + A^T) / 2.
 Eigen::MatrixXd symmetric(const Eigen::MatrixXd& matrix);
 
-/// T = [I 0 0 ...; Psi Phi_1 Phi_2 ...], n x r, its rows in the order of the full model.
-Eigen::MatrixXd transformation(const Partition& parts, const Eigen::MatrixXd& static_part,
-                               std::initializer_list<std::reference_wrapper<const Eigen::MatrixXd>> modes);
+/// T = [I 0 0; Psi Phi_1 Phi_2], n x r, its rows in the order of the full model. The interior's shapes, of n_i rows
+/// each, go over into T a few columns at a time and are never there twice.
+Eigen::MatrixXd transformation(const Partition& parts, Eigen::MatrixXd static_part, Eigen::MatrixXd modes,
+                               Eigen::MatrixXd further_modes = {});
 
 /// T^T (C + C_m) T, r x r, without ever forming the modal damping C_m.
 SparseMatrix projected_damping(const LinearModel& model, const Eigen::MatrixXd& T);
