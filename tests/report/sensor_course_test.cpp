@@ -54,6 +54,14 @@ TEST(SensorCourse, InnovationsThatAreTooSmallAreNoAgreement) {
   EXPECT_EQ(sensor.share(Agreement::red), 1.0);
 }
 
+TEST(SensorCourse, ARecordShorterThanAWindowIsOne) {
+  const SensorCourse sensor(outcome_of(white("e", 107)), 0);
+  EXPECT_EQ(sensor.windows.size(), 1U);
+  EXPECT_EQ(sensor.share(Agreement::green) + sensor.share(Agreement::amber) + sensor.share(Agreement::red), 1.0);
+  const SensorCourse empty(outcome_of(VectorXd::Constant(107, std::nan(""))), 0);
+  EXPECT_EQ(empty.share(Agreement::green), 0.0);
+}
+
 TEST(SensorCourse, MissingSamplesDoNotCount) {
   VectorXd standardised = white("e", 5100);
   standardised.segment(1000, 500).setConstant(std::nan(""));

@@ -46,7 +46,8 @@ SensorCourse::SensorCourse(const EstimationOutcome& outcome, Index row)
   settled_at = outcome.measurements.time(from);
   const auto there = settled.array().isFinite().eval();
   known = there.count();
-  const Index length = std::max(least_window, settled.size() / most_windows), count = settled.size() / length;
+  const Index asked = std::max(least_window, settled.size() / most_windows);
+  const Index length = std::clamp<Index>(settled.size(), 1, asked), count = settled.size() / length;
   window_length = static_cast<double>(length) / outcome.measurements.sample_rate;
   window_size.resize(count);
   const VectorXd squares = there.select(settled.array().square(), 0.0);
@@ -68,7 +69,7 @@ double SensorCourse::inside_95() const {
 
 double SensorCourse::share(Agreement agreement) const {
   const auto with_data = windows.size() - static_cast<std::size_t>(std::ranges::count(windows, Agreement::missing));
-  if (with_data == 0) return std::nan("");
+  if (with_data == 0) return 0.0;
   return static_cast<double>(std::ranges::count(windows, agreement)) / static_cast<double>(with_data);
 }
 

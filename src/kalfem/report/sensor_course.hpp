@@ -26,7 +26,7 @@ struct SensorCourse {
   [[nodiscard]] double size() const;
   /// Share of the innovations after settling in their 95 % band.
   [[nodiscard]] double inside_95() const;
-  /// Share of the windows after settling with that agreement, of those with data.
+  /// Share of the windows after settling with that agreement, of those with data; 0 where none has any.
   [[nodiscard]] double share(Agreement agreement) const;
   /// Time in the middle of the window whose innovations are the largest [s].
   [[nodiscard]] double worst_time() const;
