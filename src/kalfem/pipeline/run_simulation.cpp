@@ -17,6 +17,10 @@ using Eigen::Index;
 
 namespace {
 
+/// A model with more degrees of freedom is simulated in a thread of its own. Smaller ones are stepped so fast that what
+/// their solutions keep of every step is what counts: one at a time.
+constexpr Index large_model = 2000;
+
 std::vector<MeasurementChain> chains_of(const std::vector<Sensor>& sensors) {
   std::vector<MeasurementChain> chains;
   for (const auto& sensor : sensors) chains.push_back(sensor.chain);
@@ -53,7 +57,7 @@ SimulationOutcome run_simulation(const Study& study, const Progress& progress, s
   for (const auto& sensor : study.sensors) outputs.push_back(sensor.output);
   const Stopwatch watch;
   ConvergenceOptions convergence = plan.convergence;
-  convergence.threads = processors();
+  convergence.threads = study.model->system().size() > large_model ? processors() : 1;
   SimulationOptions options = plan.integration;
   options.progress = progress;
   options.keep_motion = false;
