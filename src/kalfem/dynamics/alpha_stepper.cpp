@@ -8,40 +8,17 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Force of the inputs [u; u'; u''], [P Q T] [u; u'; u'']. Columns that act nearly everywhere, as those of a moving
-/// boundary do, may be kept in single precision: it is their memory that takes the time.
-class Drive {
-public:
-  Drive(const LocallyNonlinearSystem& system, bool may_round) {
-    const Index count = system.input_count();
-    MatrixXd drive(system.size(), 3 * count);
-    for (Index i = 0; i < count; ++i) {
-      const auto& input = system.inputs[static_cast<std::size_t>(i)];
-      drive.col(i) = input.value;
-      drive.col(count + i) = input.rate;
-      drive.col(2 * count + i) = input.acceleration;
-    }
-    for (Index i = 0; may_round && i < drive.cols(); ++i)
-      if (4 * (drive.col(i).array() != 0.0).count() > drive.rows()) everywhere_.push_back(i);
-    rounded_ = drive(Eigen::all, everywhere_).cast<float>();
-    drive(Eigen::all, everywhere_).setZero();
-    sparse_ = drive.sparseView();
+/// [P Q T]: force per input value, rate and acceleration, n x 3 n_u.
+SparseMatrix drive_of(const LocallyNonlinearSystem& system) {
+  MatrixXd drive(system.size(), 3 * system.input_count());
+  for (Index i = 0; i < system.input_count(); ++i) {
+    const auto& input = system.inputs[static_cast<std::size_t>(i)];
+    drive.col(i) = input.value;
+    drive.col(system.input_count() + i) = input.rate;
+    drive.col(2 * system.input_count() + i) = input.acceleration;
   }
-
-  void multiply(const VectorXd& inputs, VectorXd& force) {
-    force.noalias() = sparse_ * inputs;
-    if (everywhere_.empty()) return;
-    some_inputs_ = inputs(everywhere_).cast<float>();
-    some_force_.noalias() = rounded_ * some_inputs_;
-    force += some_force_.cast<double>();
-  }
-
-private:
-  SparseMatrix sparse_;
-  std::vector<Index> everywhere_;  ///< columns of `rounded_`, which `sparse_` has without entries
-  Eigen::MatrixXf rounded_;
-  Eigen::VectorXf some_inputs_, some_force_;
-};
+  return drive.sparseView();
+}
 
 /// Generalised-alpha (Newmark and HHT as special cases) in acceleration form. The equation of a step is linear in the
 /// connector forces at its end, which leaves a solve of size m for them.
@@ -56,10 +33,10 @@ public:
         h_(step),
         p_(p),
         forces_(system, forces),
-        directions_(system.connector_directions().sparseView()),
+        directions_(system.connector_directions()),
         bases_(system.connector_bases()),
-        equation_(make_step_equation(system, step, p, precision)),
-        drive_(system, equation_->error() > 0.0) {
+        drive_(drive_of(system)),
+        equation_(make_step_equation(system, step, p, precision)) {
     const MatrixXd drive = directions_.transpose() * equation_->response();
     compliance_.resize(3 * drive.rows(), drive.cols());
     compliance_ << p.beta * h_ * h_ * drive, p.gamma * h_ * drive, drive;
@@ -67,15 +44,13 @@ public:
 
   ForceSolveOutcome start(Motion& motion, const VectorXd& inputs) override {
     const SparseFactor mass = factor_of(system_.mass, system_, "mass matrix");
-    VectorXd load;
-    drive_.multiply(inputs, load);
-    load -= system_.damping * motion.velocity + system_.stiffness * motion.displacement;
+    VectorXd load = drive_ * inputs - system_.damping * motion.velocity - system_.stiffness * motion.displacement;
     load -= damping_force(system_.modal_damping, system_.mass, motion.velocity);
     motion.acceleration = mass.solve(load);
-    const MatrixXd response = -mass.solve(MatrixXd(directions_));
+    const MatrixXd response = -mass.solve(directions_);
     MatrixXd compliance = MatrixXd::Zero(3 * directions_.cols(), directions_.cols());
     compliance.bottomRows(directions_.cols()) = directions_.transpose() * response;
-    const auto outcome = forces_.start(connector_motion(motion, motion.acceleration, inputs), compliance, motion);
+    const auto outcome = forces_.start(connector_motion(motion, inputs), compliance, motion);
     motion.acceleration += response * motion.force;
     acceleration_ = motion.acceleration;
     return outcome;
@@ -84,36 +59,33 @@ public:
   ForceSolveOutcome advance(Motion& motion, const VectorXd& begin, const VectorXd& end) override {
     const auto& [beta, gamma, a_m, a_f] = p_;
     input_.noalias() = (1.0 - a_f) * end + a_f * begin;
-    drive_.multiply(input_, load_);
+    load_.noalias() = drive_ * input_;
     equation_->solve(motion, acceleration_, load_, free_);
 
     motion.displacement += h_ * motion.velocity + h_ * h_ * ((0.5 - beta) * acceleration_ + beta * free_);
     motion.velocity += h_ * ((1.0 - gamma) * acceleration_ + gamma * free_);
     previous_.swap(acceleration_);
     acceleration_.swap(free_);
-    const auto outcome = forces_.solve(connector_motion(motion, acceleration_, end), compliance_, h_, motion);
-    if (motion.force.size() > 0) {
-      correction_.noalias() = equation_->response() * motion.force;
-      acceleration_ += correction_;
-      motion.velocity += gamma * h_ * correction_;
-      motion.displacement += beta * h_ * h_ * correction_;
-    }
-    if (a_f == a_m)
-      motion.acceleration = acceleration_;
-    else
-      motion.acceleration = acceleration_ + (a_f - a_m) * (acceleration_ - previous_);
+    motion.acceleration = acceleration_;
+    const auto outcome = forces_.solve(connector_motion(motion, end), compliance_, h_, motion);
+    correction_.noalias() = equation_->response() * motion.force;
+    acceleration_ += correction_;
+    motion.acceleration = acceleration_;
+    if (a_f != a_m) motion.acceleration += (a_f - a_m) * (acceleration_ - previous_);
+    motion.velocity += gamma * h_ * correction_;
+    motion.displacement += beta * h_ * h_ * correction_;
     return outcome;
   }
 
   [[nodiscard]] double solve_error() const override { return equation_->error(); }
 
 private:
-  VectorXd connector_motion(const Motion& motion, const VectorXd& acceleration, const VectorXd& inputs) const {
+  VectorXd connector_motion(const Motion& motion, const VectorXd& inputs) const {
     const Index count = system_.input_count();
     VectorXd k(3 * directions_.cols());
     k << directions_.transpose() * motion.displacement - bases_ * inputs.head(count),
         directions_.transpose() * motion.velocity - bases_ * inputs.segment(count, count),
-        directions_.transpose() * acceleration - bases_ * inputs.tail(count);
+        directions_.transpose() * motion.acceleration - bases_ * inputs.tail(count);
     return k;
   }
 
@@ -121,10 +93,9 @@ private:
   double h_;
   AlphaParameters p_;
   SinglePointForces forces_;
-  SparseMatrix directions_;
-  MatrixXd bases_, compliance_;
+  MatrixXd directions_, bases_, compliance_;
+  SparseMatrix drive_;
   std::unique_ptr<StepEquation> equation_;
-  Drive drive_;
   VectorXd acceleration_, previous_;  ///< of the scheme, and a step before
   VectorXd input_, load_, free_, correction_;
 };

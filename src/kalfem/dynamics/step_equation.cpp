@@ -70,9 +70,9 @@ struct Parts {
       : system(system),
         h(step),
         p(p),
-        directions(system.connector_directions().sparseView()),
+        directions(system.connector_directions()),
         modal_damping(effective, system.modal_damping, system.mass, (1.0 - p.alpha_f) * p.gamma * step),
-        response(-(1.0 - p.alpha_f) * effective.solve(MatrixXd(directions))) {
+        response(-(1.0 - p.alpha_f) * effective.solve(directions)) {
     const VectorXd none = VectorXd::Zero(system.size());
     for (auto column : response.colwise()) {
       VectorXd completed = column;
@@ -84,7 +84,7 @@ struct Parts {
   const LocallyNonlinearSystem& system;
   double h;
   AlphaParameters p;
-  SparseMatrix directions;  ///< B
+  MatrixXd directions;  ///< B
   LowRankPart<Scalar> modal_damping;
   MatrixXd response;  ///< W
 };
@@ -142,15 +142,16 @@ public:
   void solve(const Motion& begin, const VectorXd& a, const VectorXd& load, VectorXd& free) override {
     const double f = 1.0 - parts_.p.alpha_f, h = parts_.h;
     displacement_.noalias() = begin.displacement + f * h * begin.velocity + (0.5 * f * h * h) * a;
-    rate_.noalias() = -begin.velocity - f * h * a;
+    velocity_.noalias() = begin.velocity + f * h * a;
     product_.multiply(displacement_, a, residual_);
     residual_ = load - residual_;
     residual_.noalias() -= parts_.directions * begin.force;
-    if (parts_.system.damping.nonZeros() > 0) residual_.noalias() += parts_.system.damping * rate_;
+    if (parts_.system.damping.nonZeros() > 0) residual_.noalias() -= parts_.system.damping * velocity_;
     rounded_.solve(residual_, free);
-    parts_.modal_damping.complete(rate_, free);
+    velocity_ = -velocity_;
+    parts_.modal_damping.complete(velocity_, free);
     free += a;
-    if (begin.force.size() > 0) free.noalias() -= parts_.response * begin.force;
+    free.noalias() -= parts_.response * begin.force;
   }
 
   [[nodiscard]] const MatrixXd& response() const override { return parts_.response; }
@@ -161,7 +162,7 @@ private:
   SinglePrecisionFactor rounded_;
   double error_;
   PairedProduct product_;  ///< of K and M
-  VectorXd displacement_, rate_, residual_;
+  VectorXd displacement_, velocity_, residual_;
 };
 
 /// Largest error of single-precision solutions against double-precision ones, relative, in the norm of A: for loads on
