@@ -14,6 +14,7 @@
 #include <map>
 
 #include "barrel.hpp"
+#include "kalfem/base/freed_memory.hpp"
 #include "kalfem/formats/deck.hpp"
 #include "kalfem/identification/finite_element_part.hpp"
 #include "kalfem/linalg/blas.hpp"
@@ -136,6 +137,7 @@ void print_row(const std::string& what, const std::vector<Figures>& sizes, bool 
 }  // namespace
 
 int main(int argc, char** argv) {
+  keep_freed_memory();  // as the command does
   std::vector<std::pair<int, int>> sizes = {{110, 67}, {220, 132}, {440, 257}};
   if (argc > 2) sizes.clear();
   for (int i = 1; i + 1 < argc; i += 2) sizes.emplace_back(std::atoi(argv[i]), std::atoi(argv[i + 1]));

@@ -6,6 +6,7 @@
 
 #include "console.hpp"
 #include "kalfem/base/atomic_file.hpp"
+#include "kalfem/base/freed_memory.hpp"
 #include "kalfem/base/version.hpp"
 #include "kalfem/formats/deck.hpp"
 #include "ranks.hpp"
@@ -249,6 +250,7 @@ int parse_and_execute(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   command::prepare_streams();
+  keep_freed_memory();
   command::listen_to_signals();
   return guarded([&] { return command::on_ranks(argc, argv, [&] { return parse_and_execute(argc, argv); }); });
 }

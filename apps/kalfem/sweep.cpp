@@ -1,5 +1,3 @@
-#include <malloc.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -54,16 +52,6 @@ std::vector<SweepAxis> axes_of(const std::vector<std::string>& texts) {
   return axes;
 }
 
-/// A run gives back tens of megabytes that the next one asks for again. Unless told otherwise, glibc returns them to
-/// the system in between, and each page is cleared anew.
-void keep_freed_memory() {
-#ifdef __GLIBC__
-  constexpr int most = 32 << 20;  // glibc's limit of these thresholds
-  mallopt(M_MMAP_THRESHOLD, most);
-  mallopt(M_TRIM_THRESHOLD, 8 * most);
-#endif
-}
-
 fs::path folder_of(const SweepArguments& arguments) {
   return arguments.folder.empty() ? fs::path(arguments.case_file).replace_extension(".kalfem-sweep")
                                   : fs::path(arguments.folder);
@@ -72,7 +60,6 @@ fs::path folder_of(const SweepArguments& arguments) {
 }  // namespace
 
 ExitCode sweep(const SweepArguments& arguments) {
-  keep_freed_memory();
   const fs::path place = folder_of(arguments);
   std::optional<SweepFolder> own_folder;
   const auto made = sweep_of_all_ranks([&] {

@@ -1,5 +1,6 @@
 #include "kalfem/dynamics/step_equation.hpp"
 #include "kalfem/dynamics/stepper.hpp"
+#include "kalfem/linalg/large_pages.hpp"
 
 namespace kalfem {
 namespace {
@@ -40,6 +41,7 @@ public:
     const MatrixXd drive = directions_.transpose() * equation_->response();
     compliance_.resize(3 * drive.rows(), drive.cols());
     compliance_ << p.beta * h_ * h_ * drive, p.gamma * h_ * drive, drive;
+    move_to_large_pages(drive_);
   }
 
   ForceSolveOutcome start(Motion& motion, const VectorXd& inputs) override {
@@ -50,7 +52,7 @@ public:
     const MatrixXd response = -mass.solve(directions_);
     MatrixXd compliance = MatrixXd::Zero(3 * directions_.cols(), directions_.cols());
     compliance.bottomRows(directions_.cols()) = directions_.transpose() * response;
-    const auto outcome = forces_.start(connector_motion(motion, inputs), compliance, motion);
+    const auto outcome = forces_.start(connector_motion(motion, motion.acceleration, inputs), compliance, motion);
     motion.acceleration += response * motion.force;
     acceleration_ = motion.acceleration;
     return outcome;
@@ -66,26 +68,27 @@ public:
     motion.velocity += h_ * ((1.0 - gamma) * acceleration_ + gamma * free_);
     previous_.swap(acceleration_);
     acceleration_.swap(free_);
-    motion.acceleration = acceleration_;
-    const auto outcome = forces_.solve(connector_motion(motion, end), compliance_, h_, motion);
-    correction_.noalias() = equation_->response() * motion.force;
-    acceleration_ += correction_;
+    const auto outcome = forces_.solve(connector_motion(motion, acceleration_, end), compliance_, h_, motion);
+    if (motion.force.size() > 0) {
+      correction_.noalias() = equation_->response() * motion.force;
+      acceleration_ += correction_;
+      motion.velocity += gamma * h_ * correction_;
+      motion.displacement += beta * h_ * h_ * correction_;
+    }
     motion.acceleration = acceleration_;
     if (a_f != a_m) motion.acceleration += (a_f - a_m) * (acceleration_ - previous_);
-    motion.velocity += gamma * h_ * correction_;
-    motion.displacement += beta * h_ * h_ * correction_;
     return outcome;
   }
 
   [[nodiscard]] double solve_error() const override { return equation_->error(); }
 
 private:
-  VectorXd connector_motion(const Motion& motion, const VectorXd& inputs) const {
+  VectorXd connector_motion(const Motion& motion, const VectorXd& acceleration, const VectorXd& inputs) const {
     const Index count = system_.input_count();
     VectorXd k(3 * directions_.cols());
     k << directions_.transpose() * motion.displacement - bases_ * inputs.head(count),
         directions_.transpose() * motion.velocity - bases_ * inputs.segment(count, count),
-        directions_.transpose() * motion.acceleration - bases_ * inputs.tail(count);
+        directions_.transpose() * acceleration - bases_ * inputs.tail(count);
     return k;
   }
 

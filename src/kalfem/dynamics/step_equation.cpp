@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/linalg/large_pages.hpp"
 #include "kalfem/linalg/single_precision_factor.hpp"
 #include "kalfem/linalg/sparse_operations.hpp"
 
@@ -43,6 +44,8 @@ public:
     small_.compute(small);
     mass_weighted_modes_ = mass_weighted_modes.cast<Scalar>();
     response_ = response.cast<Scalar>();
+    move_to_large_pages(mass_weighted_modes_);
+    move_to_large_pages(response_);
   }
   /// `rate`: the vector w stands for, w = U^T rate.
   void complete(const VectorXd& rate, VectorXd& x) const {
@@ -79,6 +82,7 @@ struct Parts {
       modal_damping.complete(none, completed);
       column = completed;
     }
+    move_to_large_pages(response);
   }
 
   const LocallyNonlinearSystem& system;
@@ -151,7 +155,7 @@ public:
     velocity_ = -velocity_;
     parts_.modal_damping.complete(velocity_, free);
     free += a;
-    free.noalias() -= parts_.response * begin.force;
+    if (begin.force.size() > 0) free.noalias() -= parts_.response * begin.force;
   }
 
   [[nodiscard]] const MatrixXd& response() const override { return parts_.response; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <utility>
+#include "kalfem/linalg/large_pages.hpp"
 
 namespace kalfem {
 
@@ -28,6 +29,7 @@ SinglePrecisionFactor::SinglePrecisionFactor(Supernodes supernodes, std::span<co
     tallest = std::max(tallest, height);
   }
   panel_rows_.resize(tallest);
+  move_to_large_pages(values_);
 }
 
 SinglePrecisionFactor::Shape SinglePrecisionFactor::shape(std::size_t s) const {

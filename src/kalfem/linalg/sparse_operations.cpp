@@ -1,4 +1,5 @@
 #include "kalfem/linalg/sparse_operations.hpp"
+#include "kalfem/linalg/large_pages.hpp"
 
 namespace kalfem {
 
@@ -36,6 +37,9 @@ PairedProduct::PairedProduct(const Eigen::SparseMatrix<double>& a, const Eigen::
     if (both) dense_b_ = b;
     start_.clear(), column_.clear(), a_.clear(), b_.clear();
   }
+  move_to_large_pages(a_);
+  move_to_large_pages(b_);
+  move_to_large_pages(column_);
 }
 
 void PairedProduct::multiply(const VectorXd& u, const VectorXd& v, VectorXd& y) const {
