@@ -17,11 +17,6 @@ std::unique_ptr<LongVectors> vectors_of(const MatrixXd& columns, Index capacity)
   return vectors;
 }
 
-/// The leading vectors as they are.
-MatrixXd leading(const LongVectors& vectors, Index count) {
-  return vectors.combination(MatrixXd::Identity(count, count));
-}
-
 void expect_near(const MatrixXd& found, const MatrixXd& expected) {
   ASSERT_EQ(found.rows(), expected.rows());
   ASSERT_EQ(found.cols(), expected.cols());
@@ -34,7 +29,34 @@ TEST(LongVectors, ComeBackAsTheyWerePut) {
   vectors->put(5, block);
   MatrixXd expected = columns;
   expected.middleCols(5, 3) = block;
-  EXPECT_EQ(leading(*vectors, 19), expected);
+  EXPECT_EQ(vectors->columns(0, 19), expected);
+}
+
+TEST(LongVectors, AreMadeOfColumns) {
+  const MatrixXd columns = MatrixXd::Random(1001, 19);
+  const auto vectors = make_long_vectors(columns);
+  EXPECT_EQ(vectors->rows(), 1001);
+  EXPECT_EQ(vectors->capacity(), 19);
+  EXPECT_EQ(vectors->columns(0, 19), columns);
+  EXPECT_EQ(vectors->columns(3, 14), columns.middleCols(3, 11));
+  EXPECT_EQ(vectors->columns(4, 4), MatrixXd(1001, 0));
+  EXPECT_EQ(make_long_vectors(MatrixXd(1001, 0))->capacity(), 0);
+}
+
+TEST(LongVectors, AreTakenAway) {
+  const MatrixXd columns = MatrixXd::Random(1001, 19);
+  const auto vectors = make_long_vectors(columns);
+  EXPECT_EQ(vectors->take(), columns);
+  EXPECT_EQ(vectors->capacity(), 0);
+  EXPECT_EQ(vectors->take(), MatrixXd(1001, 0));
+}
+
+TEST(LongVectors, HaveProductsWithABlock) {
+  const MatrixXd columns = MatrixXd::Random(1001, 20), block = MatrixXd::Random(1001, 11);
+  const auto vectors = make_long_vectors(columns);
+  expect_near(vectors->products(4, 17, block), columns.middleCols(4, 13).transpose() * block);
+  EXPECT_EQ(vectors->products(4, 4, block), MatrixXd(0, 11));
+  EXPECT_EQ(vectors->products(4, 17, block.leftCols(0)), MatrixXd(13, 0));
 }
 
 TEST(LongVectors, AreProjectedOutOfABlock) {
@@ -69,7 +91,7 @@ TEST(LongVectors, AreCombinedInTheirPlace) {
   vectors->combine(weights);
   MatrixXd expected = columns;
   expected.leftCols(5) = columns.leftCols(7) * weights;
-  expect_near(leading(*vectors, 9), expected);
+  expect_near(vectors->columns(0, 9), expected);
 }
 
 TEST(LongVectors, MayBeShort) {
@@ -87,10 +109,10 @@ TEST(LongVectors, StayWhereTheirRoomChanges) {
   const auto vectors = vectors_of(columns, 6);
   vectors->reserve(50);
   EXPECT_EQ(vectors->capacity(), 50);
-  EXPECT_EQ(leading(*vectors, 6), columns);
+  EXPECT_EQ(vectors->columns(0, 6), columns);
   vectors->reserve(4);
   EXPECT_EQ(vectors->capacity(), 4);
-  EXPECT_EQ(leading(*vectors, 4), columns.leftCols(4));
+  EXPECT_EQ(vectors->columns(0, 4), columns.leftCols(4));
 }
 
 TEST(LongVectors, RefuseMoreRoomThanThereIs) {

@@ -2,21 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
+#include "linalg/symmetric_matrix.hpp"
+
 namespace kalfem {
 namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::VectorXd;
+using test::symmetric_matrix;
 using Matrix = Eigen::SparseMatrix<double>;
-
-/// Symmetric, with entries beside the diagonal and far from it; positive definite.
-Matrix symmetric_matrix(Index n) {
-  MatrixXd dense = 9.0 * MatrixXd::Identity(n, n);
-  for (Index i = 0; i + 1 < n; ++i) dense(i, i + 1) = dense(i + 1, i) = 1.0 / double(i + 1);
-  for (Index i = 0; i < n / 2; ++i) dense(i, n - 1 - i) = dense(n - 1 - i, i) = -2.0;
-  return dense.sparseView();
-}
 
 void expect_near(const MatrixXd& found, const MatrixXd& expected) {
   ASSERT_EQ(found.rows(), expected.rows());
@@ -46,25 +42,33 @@ TEST(TallMatrices, AreMultipliedInAPartOfALargerOne) {
   expect_near(Y, expected);
 }
 
-// More columns than are multiplied out at a time.
-TEST(TallMatrices, HaveInnerProducts) {
-  const Matrix A = symmetric_matrix(101);
-  const MatrixXd X = MatrixXd::Random(101, 5), Y = MatrixXd::Random(101, 71);
-  expect_near(inner_products(X, A, Y), X.transpose() * MatrixXd(A) * Y);
-  expect_near(inner_products(Y, A, X), Y.transpose() * MatrixXd(A) * X);
-  const MatrixXd own = gram(Y, A);
-  expect_near(own, Y.transpose() * MatrixXd(A) * Y);
-  EXPECT_EQ(own, MatrixXd(own.transpose()));
-  expect_near(lengths(Y, A), own.diagonal().cwiseSqrt());
+TEST(TallMatrices, AreWorkedOnInPanelsOfAboutEqualWidth) {
+  std::vector<Index> widths;
+  for (const Index columns : {0, 1, 32, 33, 65}) {
+    Index end = 0;
+    by_panels(columns, 32, [&](Index first, Index width) {
+      EXPECT_EQ(first, end);
+      end += width;
+      widths.push_back(width);
+    });
+    EXPECT_EQ(end, columns);
+  }
+  EXPECT_EQ(widths, (std::vector<Index>{1, 32, 16, 17, 21, 22, 22}));
 }
 
-TEST(TallMatrices, AreZeroInTheMeasureOfAnEmptyMatrix) {
-  const Matrix nothing(11, 11);
+// More columns than are multiplied out at a time.
+TEST(TallMatrices, ShowTheirProductsPanelByPanel) {
+  const Matrix A = symmetric_matrix(101);
+  const MatrixXd X = MatrixXd::Random(101, 71);
+  MatrixXd products(101, 71);
+  visit_products(A, X,
+                 [&](Index first, const TallMatrix& product) { products.middleCols(first, product.cols()) = product; });
+  expect_near(products, MatrixXd(A) * X);
+}
+
+TEST(TallMatrices, ShowNoProductsWithAnEmptyMatrix) {
   const MatrixXd X = MatrixXd::Random(11, 3);
-  EXPECT_EQ(inner_products(X, nothing, X.leftCols(2)), MatrixXd::Zero(3, 2));
-  EXPECT_EQ(gram(X, nothing), MatrixXd::Zero(3, 3));
-  EXPECT_EQ(lengths(X, nothing), VectorXd::Zero(3));
-  EXPECT_EQ(gram(X.leftCols(0), symmetric_matrix(11)), MatrixXd(0, 0));
+  visit_products(Matrix(11, 11), X, [&](Index, const TallMatrix&) { FAIL(); });
 }
 
 // More rows than are combined at a time.

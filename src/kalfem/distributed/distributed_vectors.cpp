@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <new>
 
+#include "kalfem/linalg/tall_matrices.hpp"
+
 namespace kalfem::distributed {
 
 using Eigen::Index;
@@ -10,11 +12,9 @@ using Eigen::MatrixXd;
 
 namespace {
 
-/// work(first column, number of columns) for all columns, at most VectorsPart::widest at a time.
 template <class Work>
 void by_blocks(Index columns, const Work& work) {
-  for (Index first = 0; first < columns; first += VectorsPart::widest)
-    work(first, std::min(VectorsPart::widest, columns - first));
+  by_panels(columns, VectorsPart::widest, work);
 }
 
 }  // namespace
@@ -45,6 +45,35 @@ void DistributedVectors::put(Index place, const Columns& block) {
     service_.together(order(VectorsJob::put, place + first, count),
                       [&] { own_.put(place + first, block.middleCols(first, count)); });
   });
+}
+
+void DistributedVectors::get(Index place, Eigen::Ref<MatrixXd> block) const {
+  by_blocks(block.cols(), [&](Index first, Index count) {
+    service_.together(order(VectorsJob::get, place + first, count),
+                      [&] { own_.get(place + first, block.middleCols(first, count)); });
+  });
+}
+
+// From the last vector to the first: those that are here are given up there.
+MatrixXd DistributedVectors::take() {
+  MatrixXd all(rows_, capacity());
+  while (const Index count = std::min(VectorsPart::widest, capacity())) {
+    const Index rest = capacity() - count;
+    get(rest, all.middleCols(rest, count));
+    reserve(rest);
+  }
+  return all;
+}
+
+MatrixXd DistributedVectors::products(Index begin, Index end, const Columns& block) const {
+  MatrixXd products(end - begin, block.cols());
+  if (begin == end) return products;
+  by_blocks(block.cols(), [&](Index first, Index count) {
+    service_.together(order(VectorsJob::products, begin, end, count), [&] {
+      products.middleCols(first, count) = own_.products(begin, end, block.middleCols(first, count));
+    });
+  });
+  return products;
 }
 
 MatrixXd DistributedVectors::project_out(Index begin, Index end, const Columns& mass_weighted,

@@ -15,8 +15,12 @@ public:
 
   void reserve(Eigen::Index capacity) override;
   [[nodiscard]] Eigen::Index capacity() const override { return own_.capacity(); }
+  [[nodiscard]] Eigen::Index rows() const override { return rows_; }
 
   void put(Eigen::Index place, const Columns& block) override;
+  void get(Eigen::Index place, Eigen::Ref<Eigen::MatrixXd> block) const override;
+  [[nodiscard]] Eigen::MatrixXd take() override;
+  [[nodiscard]] Eigen::MatrixXd products(Eigen::Index begin, Eigen::Index end, const Columns& block) const override;
   Eigen::MatrixXd project_out(Eigen::Index begin, Eigen::Index end, const Columns& mass_weighted,
                               Eigen::Ref<Eigen::MatrixXd> block) override;
   [[nodiscard]] Eigen::MatrixXd combination(const Columns& weights) const override;

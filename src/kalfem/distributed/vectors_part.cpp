@@ -58,21 +58,32 @@ bool VectorsPart::reserve(Index capacity) {
 
 void VectorsPart::put(Index place, const Columns& block) { scatter(block, own_.between(place, place + block.cols())); }
 
-// Each rank has its part of C = Q^T M V from its rows alone; of the sum it makes its rows of Q C, and rank 0 takes them
-// from V, which never leaves it.
-MatrixXd VectorsPart::project_out(Index begin, Index end, const Columns& mass_weighted, Eigen::Ref<MatrixXd> block) {
+void VectorsPart::get(Index place, Eigen::Ref<MatrixXd> block) {
+  gather(own_.between(place, place + block.cols()), [&](Index column) { block.col(column) = whole_; });
+}
+
+// Each rank has its part of the sum from its rows alone.
+MatrixXd VectorsPart::products(Index begin, Index end, const Columns& block) {
   auto part = part_.leftCols(block.cols());
-  scatter(mass_weighted, part);
-  MatrixXd coefficients = own_.between(begin, end).transpose() * part;
-  MPI_Allreduce(MPI_IN_PLACE, coefficients.data(), static_cast<int>(coefficients.size()), MPI_DOUBLE, MPI_SUM, ranks_);
+  scatter(block, part);
+  MatrixXd sum = own_.products(begin, end, part);
+  MPI_Allreduce(MPI_IN_PLACE, sum.data(), static_cast<int>(sum.size()), MPI_DOUBLE, MPI_SUM, ranks_);
+  return sum;
+}
+
+// Of C each rank makes its rows of Q C, and rank 0 takes them from V, which never leaves it.
+MatrixXd VectorsPart::project_out(Index begin, Index end, const Columns& mass_weighted, Eigen::Ref<MatrixXd> block) {
+  MatrixXd coefficients = products(begin, end, mass_weighted);
+  auto part = part_.leftCols(block.cols());
   part.noalias() = own_.between(begin, end) * coefficients;
-  gather(block.cols(), [&](Index column) { block.col(column) -= whole_; });
+  gather(part, [&](Index column) { block.col(column) -= whole_; });
   return coefficients;
 }
 
 void VectorsPart::combination(const Columns& weights, Eigen::Ref<MatrixXd> block) {
-  part_.leftCols(weights.cols()).noalias() = own_.between(0, weights.rows()) * on_all_ranks(weights);
-  gather(weights.cols(), [&](Index column) { block.col(column) = whole_; });
+  auto part = part_.leftCols(weights.cols());
+  part.noalias() = own_.between(0, weights.rows()) * on_all_ranks(weights);
+  gather(part, [&](Index column) { block.col(column) = whole_; });
 }
 
 void VectorsPart::follow(const Order& order) {
@@ -84,6 +95,12 @@ void VectorsPart::follow(const Order& order) {
       break;
     case VectorsJob::put:
       put(first, no_rows.leftCols(second));
+      break;
+    case VectorsJob::get:
+      get(first, no_rows.leftCols(second));
+      break;
+    case VectorsJob::products:
+      products(first, second, no_rows.leftCols(third));
       break;
     case VectorsJob::project_out:
       project_out(first, second, no_rows.leftCols(third), no_rows.leftCols(third));
@@ -108,16 +125,16 @@ void VectorsPart::scatter(const Columns& block, Eigen::Ref<MatrixXd> part) const
 }
 
 template <class Use>
-void VectorsPart::gather(Index columns, const Use& use) {
+void VectorsPart::gather(const Columns& parts, const Use& use) {
   Requests requests;
-  for (Index column = 0; column < columns; ++column) {
-    MPI_Igatherv(part_.col(column).data(), static_cast<int>(part_.rows()), MPI_DOUBLE, whole_.data(), rows_.data(),
+  for (Index column = 0; column < parts.cols(); ++column) {
+    MPI_Igatherv(parts.col(column).data(), static_cast<int>(parts.rows()), MPI_DOUBLE, whole_.data(), rows_.data(),
                  first_row_.data(), MPI_DOUBLE, 0, ranks_, &requests[column]);
     if (!on_rank_0()) continue;
     MPI_Wait(&requests[column], MPI_STATUS_IGNORE);
     use(column);
   }
-  MPI_Waitall(static_cast<int>(columns), requests.data(), MPI_STATUSES_IGNORE);
+  MPI_Waitall(static_cast<int>(parts.cols()), requests.data(), MPI_STATUSES_IGNORE);
 }
 
 MatrixXd VectorsPart::on_all_ranks(MatrixXd weights) const {

@@ -14,6 +14,8 @@ namespace kalfem::distributed {
 enum class VectorsJob : int {
   reserve,      ///< capacity
   put,          ///< place, columns of the block
+  get,          ///< the same
+  products,     ///< begin, end, columns of the block
   project_out,  ///< begin, end, columns of the block
   combination,  ///< rows and columns of the weights
   combine       ///< the same
@@ -32,6 +34,8 @@ public:
   /// Whether every rank has found the room.
   bool reserve(Eigen::Index capacity);
   void put(Eigen::Index place, const Columns& block);
+  void get(Eigen::Index place, Eigen::Ref<Eigen::MatrixXd> block);
+  Eigen::MatrixXd products(Eigen::Index begin, Eigen::Index end, const Columns& block);
   Eigen::MatrixXd project_out(Eigen::Index begin, Eigen::Index end, const Columns& mass_weighted,
                               Eigen::Ref<Eigen::MatrixXd> block);
   void combination(const Columns& weights, Eigen::Ref<Eigen::MatrixXd> block);
@@ -46,7 +50,7 @@ private:
   void scatter(const Columns& block, Eigen::Ref<Eigen::MatrixXd> part) const;
   /// On rank 0: calls `use` for each column of the parts, while `whole_` has all its rows.
   template <class Use>
-  void gather(Eigen::Index columns, const Use& use);
+  void gather(const Columns& parts, const Use& use);
   [[nodiscard]] Eigen::MatrixXd on_all_ranks(Eigen::MatrixXd weights) const;
 
   [[nodiscard]] bool on_rank_0() const { return rank_ == 0; }

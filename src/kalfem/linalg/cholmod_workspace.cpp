@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kalfem/linalg/blas.hpp"
+#include "kalfem/linalg/tall_matrices.hpp"
 
 namespace kalfem {
 
@@ -14,9 +15,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 
 namespace {
-
-/// Columns that are solved for at once: wider panels need as much memory again, and save no more than a tenth.
-constexpr Index widest_panel = 32;
 
 cholmod_sparse sparse_view(const UpperTriangle& matrix) {
   cholmod_sparse view{};
@@ -129,13 +127,10 @@ Index CholmodWorkspace::given_column(std::size_t j) const {
 void CholmodWorkspace::solve(const Eigen::Ref<const MatrixXd>& right_side, Eigen::Ref<MatrixXd> solution) {
   const Index n = right_side.rows(), columns = right_side.cols();
   // Into a block of a larger matrix CHOLMOD cannot write more than a column.
-  const Index panels = solution.outerStride() == n ? (columns + widest_panel - 1) / widest_panel : columns;
-  const Index width = (columns + panels - 1) / panels;
-  for (Index j = 0; j < columns; j += width) {
-    const Index count = std::min(width, columns - j);
+  by_panels(columns, solution.outerStride() == n ? widest_panel : 1, [&](Index j, Index count) {
     solve_whole(dense_view(right_side.col(j).data(), n, count, right_side.outerStride()),
                 dense_view(solution.col(j).data(), n, count, n));
-  }
+  });
 }
 
 /// Solves with temporaries that are kept for one and for many right-hand sides, so that repeated solves allocate

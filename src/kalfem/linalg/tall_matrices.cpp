@@ -6,7 +6,6 @@ namespace kalfem {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::VectorXd;
 using Matrix = Eigen::SparseMatrix<double>;
 
 SymmetricProduct::SymmetricProduct(const Matrix& matrix) : matrix_(matrix), side_by_side_(matrix.rows(), width) {
@@ -29,40 +28,14 @@ void SymmetricProduct::multiply(const TallMatrix& columns, Eigen::Ref<MatrixXd> 
 
 void visit_products(const Matrix& A, const TallMatrix& X,
                     const std::function<void(Index first, const TallMatrix& product)>& visit) {
-  constexpr Index panel = 32;
-  if (A.nonZeros() == 0 || X.cols() == 0) return;
+  if (A.nonZeros() == 0) return;
   SymmetricProduct product(A);
-  MatrixXd image(X.rows(), std::min(panel, X.cols()));
-  for (Index first = 0; first < X.cols(); first += panel) {
-    auto part = image.leftCols(std::min(panel, X.cols() - first));
-    product.multiply(X.middleCols(first, part.cols()), part);
-    visit(first, part);
-  }
-}
-
-MatrixXd inner_products(const TallMatrix& X, const Matrix& A, const TallMatrix& Y) {
-  MatrixXd products = MatrixXd::Zero(X.cols(), Y.cols());
-  visit_products(A, Y, [&](Index first, const TallMatrix& image) {
-    products.middleCols(first, image.cols()).noalias() = X.transpose() * image;
+  MatrixXd images(X.rows(), std::min(widest_panel, X.cols()));
+  by_panels(X.cols(), widest_panel, [&](Index first, Index width) {
+    auto image = images.leftCols(width);
+    product.multiply(X.middleCols(first, width), image);
+    visit(first, image);
   });
-  return products;
-}
-
-MatrixXd gram(const TallMatrix& X, const Matrix& A) {
-  MatrixXd products = MatrixXd::Zero(X.cols(), X.cols());
-  visit_products(A, X, [&](Index first, const TallMatrix& image) {
-    const Index below = X.cols() - first;
-    products.block(first, first, below, image.cols()).noalias() = X.rightCols(below).transpose() * image;
-  });
-  return products.selfadjointView<Eigen::Lower>();
-}
-
-VectorXd lengths(const TallMatrix& X, const Matrix& A) {
-  VectorXd squares = VectorXd::Zero(X.cols());
-  visit_products(A, X, [&](Index first, const TallMatrix& image) {
-    squares.segment(first, image.cols()) = X.middleCols(first, image.cols()).cwiseProduct(image).colwise().sum();
-  });
-  return squares.cwiseMax(0.0).cwiseSqrt();
 }
 
 void combine(Eigen::Ref<MatrixXd> X, const TallMatrix& W) {

@@ -28,19 +28,24 @@ private:
   Eigen::Matrix<double, Eigen::Dynamic, width, Eigen::RowMajor> side_by_side_;
 };
 
+/// Columns that are worked on at once: in back-solves wider panels need as much memory again, and save no more than a
+/// tenth.
+constexpr Eigen::Index widest_panel = 32;
+
+/// Calls work(first, count) for panels of about equally many columns, at most `widest`.
+template <class Work>
+void by_panels(Eigen::Index columns, Eigen::Index widest, const Work& work) {
+  const Eigen::Index panels = (columns + widest - 1) / widest;
+  for (Eigen::Index panel = 0; panel < panels; ++panel) {
+    const Eigen::Index first = columns * panel / panels;
+    work(first, columns * (panel + 1) / panels - first);
+  }
+}
+
 /// Calls visit(j, A X_p) for the panels X_p of X, one after the other; j is the column of X where the panel begins.
 /// Where A has no entries there are none.
 void visit_products(const Eigen::SparseMatrix<double>& A, const TallMatrix& X,
                     const std::function<void(Eigen::Index first, const TallMatrix& product)>& visit);
-
-/// X^T A Y of a symmetric A.
-Eigen::MatrixXd inner_products(const TallMatrix& X, const Eigen::SparseMatrix<double>& A, const TallMatrix& Y);
-
-/// X^T A X of a symmetric A, symmetric to the last bit.
-Eigen::MatrixXd gram(const TallMatrix& X, const Eigen::SparseMatrix<double>& A);
-
-/// sqrt(x^T A x) of each column x, for a semi-definite A.
-Eigen::VectorXd lengths(const TallMatrix& X, const Eigen::SparseMatrix<double>& A);
 
 /// X W in place of the leading columns of X, for a W with no more columns than rows.
 void combine(Eigen::Ref<Eigen::MatrixXd> X, const TallMatrix& W);

@@ -103,7 +103,7 @@ BaseDrivenSubstructure::BaseDrivenSubstructure(const LinearModel& model, std::ve
 
   const auto n_b = static_cast<Index>(boundary_.size());
   shapes_ = MatrixXd::Zero(model.size(), n_b);
-  shapes_(interior_, Eigen::all) = constraint_modes(parts, factored, rigid_modes);
+  shapes_(interior_, Eigen::all) = InteriorStatics(parts, factored, rigid_modes).constraint_modes()->take();
   shapes_(boundary_, Eigen::all).setIdentity();
   const MatrixXd inertia = model.mass * shapes_,
                  damping = model.damping * shapes_ + damping_force(model.modal_damping, model.mass, shapes_);

@@ -1,7 +1,8 @@
-#include <algorithm>
+#include <memory>
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/stopwatch.hpp"
+#include "kalfem/linalg/long_products.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/linalg/sparse_operations.hpp"
 #include "kalfem/linalg/tall_matrices.hpp"
@@ -19,41 +20,38 @@ using Eigen::VectorXd;
 /// Part of a column's length below which what is left of it is rounding.
 constexpr double rounding = 1e-10;
 
-/// (1 - Phi Phi^T M) X in place of X.
-void remove_kept(MatrixXd& shapes, const MatrixXd& kept, const SparseMatrix& mass) {
-  shapes.noalias() -= kept * inner_products(kept, mass, shapes);
-}
-
 /// K_ii^-1 (M_ii Psi + M_ib), n_i x n_b: what the interior does quasi-statically under the inertia forces of unit
 /// boundary accelerations.
-MatrixXd inertia_response(const Partition& parts, const SparseMatrix& mass_ib, const MatrixXd& constraint_modes,
-                          const SparseFactor& stiffness) {
-  MatrixXd response = parts.mass_ii * constraint_modes;
-  response += mass_ib;
-  stiffness.solve(response, response);
-  return response;
+std::unique_ptr<LongVectors> inertia_response(const Partition& parts, const SparseMatrix& mass_ib,
+                                              const LongVectors& constraint_modes, const SparseFactor& stiffness) {
+  auto responses = make_long_vectors(constraint_modes.rows());
+  responses->reserve(constraint_modes.capacity());
+  visit_products(parts.mass_ii, constraint_modes, constraint_modes.capacity(),
+                 [&](Index first, Eigen::Ref<MatrixXd> response, const TallMatrix& inertia) {
+                   response = inertia + mass_ib.middleCols(first, inertia.cols());
+                   stiffness.solve(response, response);
+                   responses->put(first, response);
+                 });
+  return responses;
 }
 
 /// Shapes that make up for the fixed-interface modes Phi that were left out [DNW97]: the inertia response less the kept
 /// modes' part of it,
 ///     X = (1 - Phi Phi^T M_ii) K_ii^-1 (M_ii Psi + M_ib),
-/// made mass-normalised and uncoupled, so that they read as further modes (vectors n_i x at most n_b, values
-/// [(rad/s)^2] above those of the kept modes). Columns that add nothing are dropped: none are left where all modes are
-/// kept. What is left of a column may be small, as its part in mode j falls with 1 / lambda_j, and counts all the same.
-LowestModes augmentation_vectors(const Partition& parts, MatrixXd shapes, const MatrixXd& kept) {
+/// made mass-normalised and uncoupled, so that they read as further modes (vectors n_i x at most n_b in place of the
+/// inertia response, values [(rad/s)^2] above those of the kept modes). Columns that add nothing are dropped: none are
+/// left where all modes are kept. What is left of a column may be small, as its part in mode j falls with 1 / lambda_j,
+/// and counts all the same.
+VectorXd to_augmentation_vectors(const Partition& parts, LongVectors& kept, LongVectors& shapes) {
   const VectorXd sizes = lengths(shapes, parts.mass_ii);
   for (int pass = 0; pass < 2; ++pass)  // where little is left, the first pass leaves rounding of what was there
-    remove_kept(shapes, kept, parts.mass_ii);
+    project_out(kept, parts.mass_ii, shapes);
   const VectorXd left = lengths(shapes, parts.mass_ii);
-  for (Index j = 0; j < shapes.cols(); ++j) shapes.col(j) *= left[j] > rounding * sizes[j] ? 1.0 / left[j] : 0.0;
-  shapes = orthonormal(std::move(shapes), parts.mass_ii);
-  remove_kept(shapes, kept, parts.mass_ii);
-  return uncoupled(std::move(shapes), parts.stiffness_ii, parts.mass_ii);
+  const VectorXd to_unit_size = (left.array() > rounding * sizes.array()).select(left.cwiseInverse(), 0.0);
+  orthonormalise(shapes, to_unit_size, parts.mass_ii);
+  project_out(kept, parts.mass_ii, shapes);
+  return uncouple(shapes, parts.stiffness_ii, parts.mass_ii);
 }
-
-}  // namespace
-
-namespace {
 
 std::vector<std::string> reduced_names(const std::vector<std::string>& boundary, Index modes, Index truncation) {
   std::vector<std::string> names = boundary;
@@ -76,9 +74,10 @@ EliminationOrder order_for(const Partition& parts, const ReductionOptions& optio
 
 /// All that K_ii is solved for; its factor, in memory larger than the rest of a reduction, ends with it.
 struct InteriorSolutions {
-  MatrixXd constraint_modes;  ///< Psi, n_i x n_b
-  SelectedModes kept;         ///< Phi
-  MatrixXd inertia_response;  ///< n_i x n_b; without columns where no augmentation vectors are wanted
+  SelectedModes kept;                                  ///< whose vectors are the next member's
+  std::unique_ptr<LongVectors> fixed_interface_modes;  ///< Phi, n_i x m
+  std::unique_ptr<LongVectors> constraint_modes;       ///< Psi, n_i x n_b
+  std::unique_ptr<LongVectors> inertia_response;       ///< n_i x n_b; none where no augmentation vectors are wanted
   double factor_bytes = 0.0;
   EliminationOrder order;
 };
@@ -92,25 +91,26 @@ InteriorSolutions solve_interior(const LinearModel& model, const Partition& part
   InteriorSolutions solutions{.factor_bytes = factored.factor.bytes(), .order = factored.factor.order()};
   const MatrixXd following =
       options.modes.effective_mass
-          ? interior_response(parts, factored, -parts.stiffness_ib * translations(names), rigid_modes)
+          ? InteriorStatics(parts, factored, rigid_modes).response(-parts.stiffness_ib * translations(names))
           : MatrixXd();
   solutions.kept = select_modes(parts, following, factored, options.modes);
-  MatrixXd& constraint = solutions.constraint_modes;
-  constraint = constraint_modes(parts, factored, rigid_modes);
-  solutions.inertia_response =
-      options.augmentation_vectors
-          ? inertia_response(parts, select(model.mass, parts.interior, parts.boundary), constraint, factored.factor)
-          : MatrixXd(constraint.rows(), 0);
+  solutions.fixed_interface_modes = make_long_vectors(std::move(solutions.kept.modes.vectors));
+  solutions.constraint_modes = InteriorStatics(parts, factored, rigid_modes).constraint_modes();
+  solutions.inertia_response = options.augmentation_vectors
+                                   ? inertia_response(parts, select(model.mass, parts.interior, parts.boundary),
+                                                      *solutions.constraint_modes, factored.factor)
+                                   : make_long_vectors(parts.stiffness_ii.rows());
   return solutions;
 }
 
 // Craig and Bampton [CB68], with the interior i and the boundary b:
 //   1. factor K_ii + shift M_ii, in the whole model's order where that is known; a free interior has rigid-body modes,
 //      which the constraint modes leave out;
-//   2. constraint modes Psi = -K_ii^-1 K_ib;
-//   3. fixed-interface modes K_ii Phi = M_ii Phi Lambda, as many as the options ask for;
+//   2. fixed-interface modes K_ii Phi = M_ii Phi Lambda, as many as the options ask for;
+//   3. constraint modes Psi = -K_ii^-1 K_ib;
 //   4. modal truncation augmentation vectors [DNW97] behind them, where they are wanted;
 //   5. project on T = [Psi Phi; 1 0].
+// The shapes are long vectors until the superelement takes T.
 /// The superelement without its comparison with the full model; what belongs to the interior alone ends here.
 Superelement reduced(const LinearModel& model, const std::vector<std::string>& names, const ReductionOptions& options) {
   const Partition parts = partition(model, names);
@@ -119,7 +119,7 @@ Superelement reduced(const LinearModel& model, const std::vector<std::string>& n
 
   Superelement element;
   ReductionErrorIndicators& error_indicators = element.error_indicators;
-  error_indicators.static_error = static_error(parts, solved.constraint_modes);
+  error_indicators.static_error = static_error(parts, *solved.constraint_modes);
   error_indicators.fixed_interface_frequencies = kept;
   error_indicators.highest_kept = kept.size() > 0 ? kept.tail(1)[0] : 0.0;
   error_indicators.next_left_out = natural_frequencies(VectorXd::Constant(1, solved.kept.modes.next.value_or(0.0)))[0];
@@ -127,18 +127,19 @@ Superelement reduced(const LinearModel& model, const std::vector<std::string>& n
   error_indicators.reason = solved.kept.reason;
   error_indicators.factor_bytes = solved.factor_bytes;
   error_indicators.order = std::move(solved.order);
-  error_indicators.solves = solved.kept.modes.solves + solved.constraint_modes.cols();
+  error_indicators.solves = solved.kept.modes.solves + solved.constraint_modes->capacity();
 
-  LowestModes further = augmentation_vectors(parts, std::move(solved.inertia_response), solved.kept.modes.vectors);
-  if (further.values.size() > 0)
-    error_indicators.reason += ", " + std::to_string(further.values.size()) + " modal truncation augmentation vectors";
-  VectorXd values(kept.size() + further.values.size());
-  values << solved.kept.modes.values, further.values;
+  const VectorXd further = to_augmentation_vectors(parts, *solved.fixed_interface_modes, *solved.inertia_response);
+  if (further.size() > 0)
+    error_indicators.reason += ", " + std::to_string(further.size()) + " modal truncation augmentation vectors";
+  VectorXd values(kept.size() + further.size());
+  values << solved.kept.modes.values, further;
+  const auto T = transformation(
+      parts, {solved.constraint_modes.get(), solved.fixed_interface_modes.get(), solved.inertia_response.get()});
+  element.model = projected_model(model, *T, values);
   element.boundary = parts.boundary;
-  element.basis = transformation(parts, std::move(solved.constraint_modes), std::move(solved.kept.modes.vectors),
-                                 std::move(further.vectors));
-  element.model =
-      projected_model(model, element.basis, values, reduced_names(names, kept.size(), further.values.size()));
+  element.basis = T->take();
+  carry_over(model, element.basis, reduced_names(names, kept.size(), further.size()), element.model);
   return element;
 }
 

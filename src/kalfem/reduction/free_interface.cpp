@@ -5,6 +5,7 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/stopwatch.hpp"
+#include "kalfem/linalg/tall_matrices.hpp"
 #include "kalfem/reduction/partition.hpp"
 #include "kalfem/reduction/projection.hpp"
 
@@ -62,11 +63,27 @@ MatrixXd unit_columns(MatrixXd columns, const SparseMatrix& mass) {
 
 /// What the superelement is made of, in Rubin's kind.
 struct Space {
-  MatrixXd static_part;    ///< n_i x n_b
-  LowestModes modes = {};  ///< with the boundary held, uncoupled
+  std::unique_ptr<LongVectors> static_part;  ///< n_i x n_b
+  std::unique_ptr<LongVectors> modes;        ///< with the boundary held, uncoupled, n_i x m
+  VectorXd values = {};                      ///< of the modes [(rad/s)^2]
   Index solves = 0;
   double factor_bytes = 0.0;
 };
+
+/// The free modes' interior less its static motion with their boundary, Phi_i - Psi Phi_b, and the responses beside
+/// them.
+std::unique_ptr<LongVectors> held_shapes(const Partition& parts, const LongVectors& static_part,
+                                         const MatrixXd& free_modes, const MatrixXd& responses) {
+  const Index count = free_modes.cols();
+  auto shapes = make_long_vectors(responses.rows());
+  shapes->reserve(count + responses.cols());
+  by_panels(count, widest_panel, [&](Index first, Index width) {
+    const auto panel = free_modes.middleCols(first, width);
+    shapes->put(first, panel(parts.interior, Eigen::all) - static_part.combination(panel(parts.boundary, Eigen::all)));
+  });
+  shapes->put(count, responses);
+  return shapes;
+}
 
 // Rubin's space without its residual flexibility, whose columns would cancel against the modes (see the header):
 //   1. free modes Phi and the constraint modes Psi of the held interior;
@@ -76,24 +93,23 @@ struct Space {
 //      modes.
 Space rubin_space(const LinearModel& model, const Partition& parts, const SelectedModes& kept) {
   const StiffnessFactor factored = factor_stiffness(parts.stiffness_ii, parts.mass_ii, parts.interior_names);
-  const auto n_b = static_cast<Index>(parts.boundary.size());
-  const MatrixXd at_boundary = kept.modes.vectors(parts.boundary, Eigen::all);
-  const MatrixXd rigid = kept.modes.vectors.leftCols(kept.rigid) * caused_by_boundary(at_boundary.leftCols(kept.rigid));
+  const MatrixXd& free_modes = kept.modes.vectors;
+  const MatrixXd rigid =
+      free_modes.leftCols(kept.rigid) * caused_by_boundary(free_modes(parts.boundary, Eigen::seqN(0, kept.rigid)));
   const MatrixXd inertia = model.mass * rigid;
 
-  MatrixXd loads(static_cast<Index>(parts.interior.size()), n_b + rigid.cols());
-  loads << -MatrixXd(parts.stiffness_ib), inertia(parts.interior, Eigen::all);
-  const MatrixXd response = interior_response(parts, factored, loads, rigid_body_modes(parts, factored));
-
-  Space space{.static_part = response.leftCols(n_b), .solves = loads.cols(), .factor_bytes = factored.factor.bytes()};
-  MatrixXd shapes(loads.rows(), kept.modes.vectors.cols() + rigid.cols());
-  shapes << kept.modes.vectors(parts.interior, Eigen::all) - space.static_part * at_boundary,
-      unit_columns(response.rightCols(rigid.cols()), parts.mass_ii);
+  const MatrixXd held_rigid_modes = rigid_body_modes(parts, factored);
+  const InteriorStatics statics(parts, factored, held_rigid_modes);
+  const MatrixXd responses = unit_columns(statics.response(inertia(parts.interior, Eigen::all)), parts.mass_ii);
+  Space space{.static_part = statics.constraint_modes(), .factor_bytes = factored.factor.bytes()};
+  space.solves = space.static_part->capacity() + rigid.cols();
+  space.modes = held_shapes(parts, *space.static_part, free_modes, responses);
   // Twice, as the first pass leaves the smallest of them orthogonal to few digits only.
-  shapes = orthonormal(orthonormal(std::move(shapes), parts.mass_ii), parts.mass_ii);
-  space.modes = uncoupled(std::move(shapes), parts.stiffness_ii, parts.mass_ii);
-  for (Index i = 0; i < space.modes.values.size() && moves_rigidly(parts.stiffness_ii, space.modes.vectors.col(i)); ++i)
-    space.modes.values[i] = 0.0;
+  for (int pass = 0; pass < 2; ++pass)
+    orthonormalise(*space.modes, VectorXd::Ones(space.modes->capacity()), parts.mass_ii);
+  space.values = uncouple(*space.modes, parts.stiffness_ii, parts.mass_ii);
+  for (Index i = 0; i < space.values.size() && moves_rigidly(parts.stiffness_ii, space.modes->columns(i, i + 1)); ++i)
+    space.values[i] = 0.0;
   return space;
 }
 
@@ -134,17 +150,20 @@ std::optional<MasslessResidual> massless_residual(const LinearModel& rubin, Inde
 }
 
 /// Exchanges Rubin's coordinates for MacNeal's; false where no flexibility is left for them.
-bool to_macneal(const LinearModel& full, const std::vector<std::string>& names, const VectorXd& kept,
-                Superelement& element) {
+bool to_macneal(const std::vector<std::string>& names, const VectorXd& kept, Superelement& element) {
   const auto n_b = static_cast<Index>(names.size());
   const auto residual = massless_residual(element.model, n_b, kept);
   if (!residual) return false;
-  element.basis = element.basis * residual->transformation;
-  element.model = projected_surroundings(full, element.basis, with_modes(names, kept.size()));
-  element.model.stiffness = residual->stiffness.sparseView();
-  MatrixXd mass = MatrixXd::Zero(n_b + kept.size(), n_b + kept.size());
-  mass.diagonal().tail(kept.size()).setOnes();
-  element.model.mass = mass.sparseView();
+  const MatrixXd& T = residual->transformation;
+  LinearModel macneal;
+  macneal.stiffness = residual->stiffness.sparseView();
+  VectorXd masses = VectorXd::Zero(n_b + kept.size());
+  masses.tail(kept.size()).setOnes();
+  macneal.mass = MatrixXd(masses.asDiagonal()).sparseView();
+  macneal.damping = symmetric(T.transpose() * (element.model.damping * T)).sparseView();
+  carry_over(element.model, T, with_modes(names, kept.size()), macneal);
+  element.model = std::move(macneal);
+  element.basis = element.basis * T;
   return true;
 }
 
@@ -158,19 +177,20 @@ Superelement free_interface(const LinearModel& model, const std::vector<std::str
   const Partition parts = partition(model, names);
   const FreeModes free = free_modes(model, options.modes, options.whole.get());
   const SelectedModes& kept = free.selected;
-  Space space = rubin_space(model, parts, kept);
+  const Space space = rubin_space(model, parts, kept);
 
   Superelement element;
-  element.error_indicators.static_error = static_error(parts, space.static_part);
+  element.error_indicators.static_error = static_error(parts, *space.static_part);
+  const auto T = transformation(parts, {space.static_part.get(), space.modes.get()});
+  element.model = projected_model(model, *T, space.values);
   element.boundary = parts.boundary;
-  element.basis = transformation(parts, std::move(space.static_part), std::move(space.modes.vectors));
-  element.model =
-      projected_model(model, element.basis, space.modes.values, with_modes(names, space.modes.values.size()));
+  element.basis = T->take();
+  carry_over(model, element.basis, with_modes(names, space.values.size()), element.model);
   ReductionErrorIndicators& error_indicators = element.error_indicators;
   error_indicators.reason = kept.reason + ", and the residual flexibility and mass of the boundary";
   if (options.kind == FreeInterfaceKind::macneal)
     error_indicators.reason =
-        to_macneal(model, names, kept.modes.values, element)
+        to_macneal(names, kept.modes.values, element)
             ? kept.reason + ", and the residual flexibility of the boundary without its mass"
             : error_indicators.reason + " (too few modes are left out for MacNeal's form to exist)";
   error_indicators.fixed_interface_frequencies = natural_frequencies(kept.modes.values);

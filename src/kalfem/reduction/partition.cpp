@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/linalg/long_products.hpp"
 #include "kalfem/linalg/sparse_operations.hpp"
 #include "kalfem/linalg/tall_matrices.hpp"
 
@@ -63,38 +64,43 @@ Partition partition(const LinearModel& model, const std::vector<std::string>& bo
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-namespace {
+// The loads on a free body that its displacements answer are in equilibrium, so springs at a statically determinate
+// support carry nothing, whatever their stiffness: the solution is that of the free body.
+InteriorStatics::InteriorStatics(const Partition& parts, const StiffnessFactor& factored, const MatrixXd& rigid_modes)
+    : parts_(parts), factored_(factored), rigid_modes_(rigid_modes) {
+  if (!factored.regular())
+    supported_.emplace(parts.stiffness_ii, EliminationOrder(), supports(parts.stiffness_ii, rigid_modes));
+}
 
-/// The loads on a free body that its displacements answer are in equilibrium, so springs at a statically determinate
-/// support carry nothing, whatever their stiffness: the solution is that of the free body.
-MatrixXd solve_supported(const Partition& parts, const MatrixXd& loads, const MatrixXd& rigid_modes) {
-  const SparseFactor factor(parts.stiffness_ii, {}, supports(parts.stiffness_ii, rigid_modes));
-  MatrixXd displacements = factor.solve(loads);
+MatrixXd InteriorStatics::response(MatrixXd loads) const {
+  if (!supported_) {
+    factored_.factor.solve(loads, loads);
+    return loads;
+  }
+  MatrixXd displacements = supported_->solve(loads);
   // What the factor of a nearly singular matrix lost in the first place.
-  displacements += factor.solve(loads - parts.stiffness_ii * displacements);
-  return displacements - rigid_modes * (rigid_modes.transpose() * (parts.mass_ii * displacements));
+  displacements += supported_->solve(loads - parts_.stiffness_ii * displacements);
+  return displacements - rigid_modes_ * (rigid_modes_.transpose() * (parts_.mass_ii * displacements));
 }
 
-}  // namespace
-
-MatrixXd interior_response(const Partition& parts, const StiffnessFactor& factored, MatrixXd loads,
-                           const MatrixXd& rigid_modes) {
-  if (!factored.regular()) return solve_supported(parts, loads, rigid_modes);
-  factored.factor.solve(loads, loads);
-  return loads;
-}
-
-MatrixXd constraint_modes(const Partition& parts, const StiffnessFactor& factored, const MatrixXd& rigid_modes) {
-  return interior_response(parts, factored, MatrixXd(-parts.stiffness_ib), rigid_modes);
-}
-
-double static_error(const Partition& parts, const MatrixXd& modes) {
-  double largest = 0.0;
-  visit_products(parts.stiffness_ii, modes, [&](Index first, const TallMatrix& forces) {
-    for (Index j = 0; j < forces.cols(); ++j)
-      if (const VectorXd load = parts.stiffness_ib.col(first + j); load.norm() > 0.0)
-        largest = std::max(largest, (forces.col(j) + load).norm() / load.norm());
+std::unique_ptr<LongVectors> InteriorStatics::constraint_modes() const {
+  const Index count = parts_.stiffness_ib.cols();
+  auto modes = make_long_vectors(parts_.stiffness_ii.rows());
+  modes->reserve(count);
+  by_panels(count, widest_panel, [&](Index first, Index width) {
+    modes->put(first, response(-parts_.stiffness_ib.middleCols(first, width)));
   });
+  return modes;
+}
+
+double static_error(const Partition& parts, const LongVectors& constraint_modes) {
+  double largest = 0.0;
+  visit_products(parts.stiffness_ii, constraint_modes, constraint_modes.capacity(),
+                 [&](Index first, const TallMatrix&, const TallMatrix& forces) {
+                   for (Index j = 0; j < forces.cols(); ++j)
+                     if (const VectorXd load = parts.stiffness_ib.col(first + j); load.norm() > 0.0)
+                       largest = std::max(largest, (forces.col(j) + load).norm() / load.norm());
+                 });
   return largest;
 }
 

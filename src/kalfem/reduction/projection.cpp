@@ -6,9 +6,11 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <ranges>
 #include <unordered_map>
 
 #include "kalfem/base/stopwatch.hpp"
+#include "kalfem/linalg/long_products.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/linalg/tall_matrices.hpp"
 #include "kalfem/model/linear_model.hpp"
@@ -27,23 +29,21 @@ constexpr double least_remainder = 1e-5;
 
 }  // namespace
 
-MatrixXd orthonormal(MatrixXd columns, const Eigen::SparseMatrix<double>& mass) {
-  if (columns.cols() == 0) return columns;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> products(gram(columns, mass));
+void orthonormalise(LongVectors& X, const VectorXd& scale, const SparseMatrix& mass) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> products(scale.asDiagonal() * gram(X, mass, X.capacity()) *
+                                                         scale.asDiagonal());
   const Index independent = (products.eigenvalues().array() > least_remainder * least_remainder).count();
   const VectorXd sizes = products.eigenvalues().tail(independent).cwiseSqrt();
-  combine(columns, products.eigenvectors().rightCols(independent) * sizes.cwiseInverse().asDiagonal());
-  columns.conservativeResize(Eigen::NoChange, independent);
-  return columns;
+  X.combine(scale.asDiagonal() * products.eigenvectors().rightCols(independent) * sizes.cwiseInverse().asDiagonal());
+  X.reserve(independent);
 }
 
-LowestModes uncoupled(MatrixXd columns, const Eigen::SparseMatrix<double>& stiffness,
-                      const Eigen::SparseMatrix<double>& mass) {
-  if (columns.cols() == 0) return {VectorXd(), std::move(columns), {}, 0};
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> pairs(gram(columns, stiffness), gram(columns, mass));
-  combine(columns, pairs.eigenvectors());
-  const Index count = columns.cols();
-  return {pairs.eigenvalues(), std::move(columns), {}, count};
+VectorXd uncouple(LongVectors& X, const SparseMatrix& stiffness, const SparseMatrix& mass) {
+  const Index count = X.capacity();
+  if (count == 0) return {};
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> pairs(gram(X, stiffness, count), gram(X, mass, count));
+  X.combine(pairs.eigenvectors());
+  return pairs.eigenvalues();
 }
 
 namespace {
@@ -52,26 +52,43 @@ namespace {
 // other static shapes first, then modes of the interior with the boundary held. What is known exactly is not computed
 // by products, which would leave rounding in its place: Phi^T M Phi = 1, Phi^T K Phi = diag(lambda) and
 // Psi^T K Phi = 0 [CB68].
-SparseMatrix projected_mass(const SparseMatrix& mass, const MatrixXd& T, Index modes) {
-  const Index n_b = T.cols() - modes;
-  MatrixXd reduced = MatrixXd::Identity(T.cols(), T.cols());
-  reduced.leftCols(n_b) = inner_products(T, mass, T.leftCols(n_b));
+SparseMatrix projected_mass(const SparseMatrix& mass, const LongVectors& T, Index modes) {
+  const Index r = T.capacity();
+  MatrixXd reduced = MatrixXd::Identity(r, r);
+  visit_products(mass, T, r - modes, [&](Index first, const TallMatrix& panel, const TallMatrix& inertia) {
+    reduced.block(first, first, r - first, panel.cols()) = T.products(first, r, inertia);
+  });
   return MatrixXd(reduced.selfadjointView<Eigen::Lower>()).sparseView();
 }
 
-SparseMatrix projected_stiffness(const SparseMatrix& stiffness, const MatrixXd& T, const VectorXd& values) {
-  const Index n_b = T.cols() - values.size();
-  MatrixXd reduced = MatrixXd::Zero(T.cols(), T.cols());
-  reduced.topLeftCorner(n_b, n_b) = gram(T.leftCols(n_b), stiffness);
-  // The energy of a coordinate that moves the whole rigidly is rounding, of either sign.
+SparseMatrix projected_stiffness(const SparseMatrix& stiffness, const LongVectors& T, const VectorXd& values) {
+  const Index n_b = T.capacity() - values.size();
   const VectorXd diagonal = stiffness.diagonal();
+  VectorXd scale = VectorXd::Zero(n_b);  // of the energies that add up to a coordinate's
+  MatrixXd held = MatrixXd::Zero(n_b, n_b);
+  visit_products(stiffness, T, n_b, [&](Index first, const TallMatrix& panel, const TallMatrix& forces) {
+    held.block(first, first, n_b - first, panel.cols()) = T.products(first, n_b, forces);
+    scale.segment(first, panel.cols()) = panel.cwiseAbs2().transpose() * diagonal;
+  });
+  MatrixXd reduced = MatrixXd::Zero(T.capacity(), T.capacity());
+  reduced.topLeftCorner(n_b, n_b) = held.selfadjointView<Eigen::Lower>();
+  // The energy of a coordinate that moves the whole rigidly is rounding, of either sign.
   for (Index j = 0; j < n_b; ++j)
-    if (reduced(j, j) <= std::numeric_limits<double>::epsilon() * diagonal.dot(T.col(j).cwiseAbs2())) {
+    if (reduced(j, j) <= std::numeric_limits<double>::epsilon() * scale[j]) {
       reduced.row(j).setZero();
       reduced.col(j).setZero();
     }
   reduced.diagonal().tail(values.size()) = values;
   return reduced.sparseView();
+}
+
+SparseMatrix projected_damping(const LinearModel& model, const LongVectors& T) {
+  const Index r = T.capacity();
+  const MatrixXd local = gram(T, model.damping, r);
+  const auto& [modes, rates] = model.modal_damping;
+  if (rates.size() == 0) return local.sparseView();
+  const MatrixXd mass_weighted_modes = T.products(0, r, model.mass * modes.shapes);
+  return symmetric(local + mass_weighted_modes * rates.asDiagonal() * mass_weighted_modes.transpose()).sparseView();
 }
 
 /// Positions of the degrees of freedom that points and gauges are combinations of.
@@ -120,31 +137,36 @@ VectorXd natural_frequencies(const VectorXd& values) {
 MatrixXd symmetric(const MatrixXd& matrix) { return 0.5 * (matrix + matrix.transpose()); }
 
 // From the last column to the first: the shapes shrink as T grows, whose memory is taken where it is written.
-MatrixXd transformation(const Partition& parts, MatrixXd static_part, MatrixXd modes, MatrixXd further_modes) {
-  MatrixXd T(static_cast<Index>(parts.boundary.size() + parts.interior.size()),
-             static_part.cols() + modes.cols() + further_modes.cols());
-  Index end = T.cols();
-  for (MatrixXd* shapes : {&further_modes, &modes, &static_part})
-    while (const Index count = std::min<Index>(8, shapes->cols())) {
+std::unique_ptr<LongVectors> transformation(const Partition& parts, const std::vector<LongVectors*>& shapes) {
+  constexpr Index widest = 8;
+  const auto n_b = static_cast<Index>(parts.boundary.size()), n = n_b + static_cast<Index>(parts.interior.size());
+  Index r = 0;
+  for (const LongVectors* part : shapes) r += part->capacity();
+  auto T = make_long_vectors(n);
+  T->reserve(r);
+  MatrixXd columns(n, widest);
+  Index end = r;
+  for (LongVectors* part : std::views::reverse(shapes))
+    while (const Index count = std::min(widest, part->capacity())) {
+      const Index rest = part->capacity() - count;
       end -= count;
-      T(parts.interior, Eigen::seqN(end, count)) = shapes->rightCols(count);
-      shapes->conservativeResize(Eigen::NoChange, shapes->cols() - count);
+      columns(parts.interior, Eigen::seqN(0, count)) = part->columns(rest, rest + count);
+      columns(parts.boundary, Eigen::seqN(0, count)) = MatrixXd::Identity(n_b, r).middleCols(end, count);
+      T->put(end, columns.leftCols(count));
+      part->reserve(rest);
     }
-  T(parts.boundary, Eigen::all).setIdentity();
   return T;
 }
 
-SparseMatrix projected_damping(const LinearModel& model, const MatrixXd& T) {
-  const MatrixXd local = gram(T, model.damping);
-  const auto& [modes, rates] = model.modal_damping;
-  if (rates.size() == 0) return local.sparseView();
-  const MatrixXd mass_weighted_modes = T.transpose() * (model.mass * modes.shapes);
-  return symmetric(local + mass_weighted_modes * rates.asDiagonal() * mass_weighted_modes.transpose()).sparseView();
+LinearModel projected_model(const LinearModel& model, const LongVectors& T, const VectorXd& values) {
+  LinearModel reduced;
+  reduced.mass = projected_mass(model.mass, T, values.size());
+  reduced.damping = projected_damping(model, T);
+  reduced.stiffness = projected_stiffness(model.stiffness, T, values);
+  return reduced;
 }
 
-LinearModel projected_surroundings(const LinearModel& model, const MatrixXd& T, std::vector<std::string> names) {
-  LinearModel reduced;
-  reduced.damping = projected_damping(model, T);
+void carry_over(const LinearModel& model, const MatrixXd& T, std::vector<std::string> names, LinearModel& reduced) {
   for (const auto& ground : model.grounds)
     reduced.grounds.push_back({ground.ground, T.transpose() * ground.stiffness, T.transpose() * ground.damping});
   const ProjectedCombinations combinations(model, T, names);
@@ -152,15 +174,6 @@ LinearModel projected_surroundings(const LinearModel& model, const MatrixXd& T, 
   reduced.gauges = combinations.of(model.gauges);
   reduced.points_only = model.points_only;
   reduced.dofs = std::move(names);
-  return reduced;
-}
-
-LinearModel projected_model(const LinearModel& model, const MatrixXd& T, const VectorXd& values,
-                            std::vector<std::string> names) {
-  LinearModel reduced = projected_surroundings(model, T, std::move(names));
-  reduced.mass = projected_mass(model.mass, T, values.size());
-  reduced.stiffness = projected_stiffness(model.stiffness, T, values);
-  return reduced;
 }
 
 std::vector<std::string> joined(const std::vector<std::string>& boundary, const std::vector<std::string>& also_kept) {
