@@ -30,6 +30,7 @@ constexpr double least_remainder = 1e-5;
 }  // namespace
 
 void orthonormalise(LongVectors& X, const VectorXd& scale, const SparseMatrix& mass) {
+  if (X.capacity() == 0) return;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> products(scale.asDiagonal() * gram(X, mass, X.capacity()) *
                                                          scale.asDiagonal());
   const Index independent = (products.eigenvalues().array() > least_remainder * least_remainder).count();
