@@ -3,6 +3,7 @@
 #include "kalfem/linalg/block_lanczos.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/linalg/makers.hpp"
+#include "kalfem/reduction/free_interface.hpp"
 #include "kalfem/reduction/superelement.hpp"
 #include "reduction/lattice.hpp"
 
@@ -74,10 +75,11 @@ TEST(SerialAnswers, AreThoseOfAFreeStructure) {
   EXPECT_LT(largest_relative_difference(distributed.values.tail(10), serial.values.tail(10)), 2e-9);
 }
 
-TEST(SerialAnswers, AreThoseOfTheSuperelement) {
-  const auto boundary = lattice::edge(79, 45);
-  const auto reduce = [&] { return craig_bampton(membrane, boundary, {.modes = {.count = 25}}); };
+/// A superelement on all ranks against the one of rank 0 alone, with the signs of its shapes.
+template <class Reduce>
+void expect_serial_superelement(const Reduce& reduce) {
   const Superelement serial = on_one_rank(reduce), distributed = reduce();
+  ASSERT_EQ(distributed.basis.cols(), serial.basis.cols());
   const MatrixXd basis = with_signs_of(serial.basis, distributed.basis);
   EXPECT_LT((basis - serial.basis).norm(), 1e-8 * serial.basis.norm());
   const auto in_serial_signs = [&](const SparseMatrix& matrix) -> MatrixXd {
@@ -89,6 +91,23 @@ TEST(SerialAnswers, AreThoseOfTheSuperelement) {
     EXPECT_LT((in_serial_signs(distributed.model.*matrix) - expected).norm(), 1e-8 * expected.norm());
   }
   EXPECT_EQ(distributed.error_indicators.order, serial.error_indicators.order);
+}
+
+const auto boundary = lattice::edge(79, 45);
+
+TEST(SerialAnswers, AreThoseOfTheSuperelement) {
+  expect_serial_superelement([] { return craig_bampton(membrane, boundary, {.modes = {.count = 25}}); });
+}
+
+TEST(SerialAnswers, AreThoseOfTheSuperelementWithAugmentationVectors) {
+  expect_serial_superelement(
+      [] { return craig_bampton(membrane, boundary, {.modes = {.count = 25}, .augmentation_vectors = true}); });
+}
+
+TEST(SerialAnswers, AreThoseOfTheFreeInterfaceSuperelement) {
+  for (const auto kind : {FreeInterfaceKind::rubin, FreeInterfaceKind::macneal})
+    expect_serial_superelement(
+        [kind] { return free_interface(membrane, lattice::edge(79, 5), {.kind = kind, .modes = {.count = 25}}); });
 }
 
 }  // namespace
