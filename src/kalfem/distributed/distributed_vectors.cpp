@@ -77,7 +77,7 @@ MatrixXd DistributedVectors::products(Index begin, Index end, const Columns& blo
 }
 
 MatrixXd DistributedVectors::project_out(Index begin, Index end, const Columns& mass_weighted,
-                                         Eigen::Ref<MatrixXd> block) {
+                                         Eigen::Ref<MatrixXd> block) const {
   MatrixXd coefficients(end - begin, block.cols());
   if (begin == end) return coefficients;
   by_blocks(block.cols(), [&](Index first, Index count) {

@@ -22,7 +22,7 @@ public:
   [[nodiscard]] Eigen::MatrixXd take() override;
   [[nodiscard]] Eigen::MatrixXd products(Eigen::Index begin, Eigen::Index end, const Columns& block) const override;
   Eigen::MatrixXd project_out(Eigen::Index begin, Eigen::Index end, const Columns& mass_weighted,
-                              Eigen::Ref<Eigen::MatrixXd> block) override;
+                              Eigen::Ref<Eigen::MatrixXd> block) const override;
   [[nodiscard]] Eigen::MatrixXd combination(const Columns& weights) const override;
   void combine(const Columns& weights) override;
 

@@ -41,7 +41,7 @@ VectorXd lengths(const LongVectors& X, const Matrix& A) {
   return squares.cwiseMax(0.0).cwiseSqrt();
 }
 
-void project_out(LongVectors& Q, const Matrix& A, LongVectors& X) {
+void project_out(const LongVectors& Q, const Matrix& A, LongVectors& X) {
   visit_products(A, X, X.capacity(), [&](Index first, Eigen::Ref<MatrixXd> panel, const TallMatrix& image) {
     Q.project_out(0, Q.capacity(), image, panel);
     X.put(first, panel);

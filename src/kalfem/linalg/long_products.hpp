@@ -24,6 +24,6 @@ Eigen::MatrixXd gram(const LongVectors& X, const Eigen::SparseMatrix<double>& A,
 Eigen::VectorXd lengths(const LongVectors& X, const Eigen::SparseMatrix<double>& A);
 
 /// (1 - Q Q^T A) X in place of X.
-void project_out(LongVectors& Q, const Eigen::SparseMatrix<double>& A, LongVectors& X);
+void project_out(const LongVectors& Q, const Eigen::SparseMatrix<double>& A, LongVectors& X);
 
 }  // namespace kalfem

@@ -52,7 +52,7 @@ MatrixXd VectorsInMemory::products(Index begin, Index end, const Columns& block)
 }
 
 MatrixXd VectorsInMemory::project_out(Index begin, Index end, const Columns& mass_weighted,
-                                      Eigen::Ref<MatrixXd> block) {
+                                      Eigen::Ref<MatrixXd> block) const {
   MatrixXd coefficients = products(begin, end, mass_weighted);
   block.noalias() -= between(begin, end) * coefficients;
   return coefficients;

@@ -35,7 +35,7 @@ public:
   /// V - Q C in place of V, with C = Q^T M V, of the vectors from q_begin to the one before q_end. `mass_weighted`: M
   /// V, n x k. Returns C.
   virtual Eigen::MatrixXd project_out(Eigen::Index begin, Eigen::Index end, const Columns& mass_weighted,
-                                      Eigen::Ref<Eigen::MatrixXd> block) = 0;
+                                      Eigen::Ref<Eigen::MatrixXd> block) const = 0;
 
   /// Q W, n x m, of as many leading vectors as W has rows.
   [[nodiscard]] virtual Eigen::MatrixXd combination(const Columns& weights) const = 0;
@@ -71,7 +71,7 @@ public:
   [[nodiscard]] Eigen::MatrixXd take() override;
   [[nodiscard]] Eigen::MatrixXd products(Eigen::Index begin, Eigen::Index end, const Columns& block) const override;
   Eigen::MatrixXd project_out(Eigen::Index begin, Eigen::Index end, const Columns& mass_weighted,
-                              Eigen::Ref<Eigen::MatrixXd> block) override;
+                              Eigen::Ref<Eigen::MatrixXd> block) const override;
   [[nodiscard]] Eigen::MatrixXd combination(const Columns& weights) const override;
   void combine(const Columns& weights) override;
 

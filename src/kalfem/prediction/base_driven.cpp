@@ -7,7 +7,8 @@
 #include "kalfem/dynamics/simulate.hpp"
 #include "kalfem/linalg/sparse_factor.hpp"
 #include "kalfem/linalg/sparse_operations.hpp"
-#include "kalfem/reduction/partition.hpp"
+#include "kalfem/reduction/interior_statics.hpp"
+#include "kalfem/reduction/mode_selection.hpp"
 
 namespace kalfem {
 

@@ -6,7 +6,9 @@
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/linalg/sparse_operations.hpp"
 #include "kalfem/linalg/tall_matrices.hpp"
-#include "kalfem/reduction/partition.hpp"
+#include "kalfem/reduction/comparison.hpp"
+#include "kalfem/reduction/interior_statics.hpp"
+#include "kalfem/reduction/mode_selection.hpp"
 #include "kalfem/reduction/projection.hpp"
 #include "kalfem/reduction/superelement.hpp"
 
@@ -42,7 +44,7 @@ std::unique_ptr<LongVectors> inertia_response(const Partition& parts, const Spar
 /// inertia response, values [(rad/s)^2] above those of the kept modes). Columns that add nothing are dropped: none are
 /// left where all modes are kept. What is left of a column may be small, as its part in mode j falls with 1 / lambda_j,
 /// and counts all the same.
-VectorXd to_augmentation_vectors(const Partition& parts, LongVectors& kept, LongVectors& shapes) {
+VectorXd to_augmentation_vectors(const Partition& parts, const LongVectors& kept, LongVectors& shapes) {
   const VectorXd sizes = lengths(shapes, parts.mass_ii);
   for (int pass = 0; pass < 2; ++pass)  // where little is left, the first pass leaves rounding of what was there
     project_out(kept, parts.mass_ii, shapes);

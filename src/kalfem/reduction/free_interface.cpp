@@ -6,7 +6,9 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/linalg/tall_matrices.hpp"
-#include "kalfem/reduction/partition.hpp"
+#include "kalfem/reduction/comparison.hpp"
+#include "kalfem/reduction/interior_statics.hpp"
+#include "kalfem/reduction/mode_selection.hpp"
 #include "kalfem/reduction/projection.hpp"
 
 namespace kalfem {

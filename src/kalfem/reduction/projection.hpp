@@ -1,8 +1,11 @@
 #pragma once
 
+#include <memory>
+#include <string>
+#include <vector>
+
 #include "kalfem/linalg/long_vectors.hpp"
 #include "kalfem/reduction/partition.hpp"
-#include "kalfem/reduction/superelement.hpp"
 
 namespace kalfem {
 
@@ -36,13 +39,5 @@ void carry_over(const LinearModel& model, const Eigen::MatrixXd& T, std::vector<
 
 /// The boundary and what is kept beside it, each name once.
 std::vector<std::string> joined(const std::vector<std::string>& boundary, const std::vector<std::string>& also_kept);
-
-/// Band in which modes are compared [Hz]: what is asked for, or 0 for all kept modes (see ReductionOptions).
-double comparison_band(const ReductionErrorIndicators& error_indicators, double asked);
-/// Full and reduced modes up to a frequency [Hz], place by place, and their strains at the gauges: sets `modes` and
-/// `gauges` of the indicators, the latter from the modes in the lower half. `whole`: factor of the full model's K, null
-/// where it is not at hand.
-void compare_modes(const LinearModel& full, const Superelement& reduced, double up_to, const StiffnessFactor* whole,
-                   ReductionErrorIndicators& error_indicators);
 
 }  // namespace kalfem
