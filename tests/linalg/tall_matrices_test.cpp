@@ -29,6 +29,9 @@ TEST(TallMatrices, AreMultipliedByASymmetricMatrix) {
     MatrixXd Y = MatrixXd::Constant(57, width, 3.0);
     product.multiply(X, Y);
     expect_near(Y, MatrixXd(A) * X);
+    MatrixXd in_place = X;
+    product.multiply(in_place, in_place);
+    EXPECT_EQ(in_place, Y);
   }
 }
 

@@ -19,6 +19,7 @@ public:
   /// `matrix`, of which both halves are stored, is kept by reference.
   explicit SymmetricProduct(const Eigen::SparseMatrix<double>& matrix);
 
+  /// `product` may be `columns` itself.
   void multiply(const TallMatrix& columns, Eigen::Ref<Eigen::MatrixXd> product);
 
 private:

@@ -28,12 +28,14 @@ std::unique_ptr<LongVectors> inertia_response(const Partition& parts, const Spar
                                               const LongVectors& constraint_modes, const SparseFactor& stiffness) {
   auto responses = make_long_vectors(constraint_modes.rows());
   responses->reserve(constraint_modes.capacity());
-  visit_products(parts.mass_ii, constraint_modes, constraint_modes.capacity(),
-                 [&](Index first, Eigen::Ref<MatrixXd> response, const TallMatrix& inertia) {
-                   response = inertia + mass_ib.middleCols(first, inertia.cols());
-                   stiffness.solve(response, response);
-                   responses->put(first, response);
-                 });
+  SymmetricProduct mass(parts.mass_ii);
+  by_panels(constraint_modes.capacity(), widest_panel, [&](Index first, Index width) {
+    MatrixXd response = constraint_modes.columns(first, first + width);
+    mass.multiply(response, response);
+    response += mass_ib.middleCols(first, width);
+    stiffness.solve(response, response);
+    responses->put(first, response);
+  });
   return responses;
 }
 
