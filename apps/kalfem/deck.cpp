@@ -103,7 +103,8 @@ ExitCode modes_of_deck(const DeckModesArguments& arguments) {
   FiniteElementPart part = part_of(arguments.file, arguments.units);
   const std::string picture = part.name + "_modes.vtu";
   if (!folder.empty()) require_writable(folder / picture);
-  const auto modes = part.times.measure("modes", [&] { return modes_of(part, arguments.count); });
+  const auto modes = part.times.measure(
+      "modes", [&] { return modes_of(part, lowest_normal_modes(part.full, {arguments.count}, part.factor.get())); });
   if (!folder.empty()) part.times.measure("write", [&] { write_modes(folder, part, modes); });
   if (arguments.as_json) {
     nlohmann::ordered_json json{{"deck", std::filesystem::path(arguments.file).filename().string()},

@@ -85,7 +85,7 @@ protected:
 };
 
 Eigen::VectorXd frequencies_of(const StructureParts& parts, Eigen::Index count) {
-  return lowest_normal_modes(linearised_at_rest(couple(parts)), count).frequencies;
+  return lowest_normal_modes(linearised_at_rest(couple(parts)), {count}).frequencies;
 }
 
 Eigen::VectorXd relative_error(const Eigen::VectorXd& found, const Eigen::VectorXd& expected) {

@@ -104,6 +104,19 @@ TEST_F(StrainGauges, AReductionThatMissesTheirStrainNamesThem) {
   EXPECT_THAT(reduction_warnings(many, 30.0, 1.0), Not(names_the_gauge));
 }
 
+TEST_F(StrainGauges, ModesOfTheComparisonServeTheReport) {
+  const auto study = study_of(text());
+  const auto& elements = study.structure->finite_elements[0];
+  ASSERT_NE(elements.reduced, nullptr);
+  const auto& known = *elements.reduced->full_modes;
+  ASSERT_GE(known.frequencies.size(), study.report.modes);
+  const NormalModes modes = lowest_full_modes(elements, study.report.modes);
+  EXPECT_EQ(modes.shapes, known.shapes.leftCols(study.report.modes));
+  EXPECT_EQ(modes.frequencies, known.frequencies.head(study.report.modes));
+  const Eigen::Index more = known.frequencies.size() + 2;
+  EXPECT_EQ(lowest_full_modes(elements, more).frequencies.size(), more);
+}
+
 TEST_F(StrainGauges, OnAnElementThatDoesNotExistAreRefusedOnceWithTheirPlace) {
   const auto problems = problems_of(text("", "element: 99"));
   EXPECT_THAT(problems, AllOf(HasSubstr("case.yaml:10: strain gauge 'g' stands on element 99"),

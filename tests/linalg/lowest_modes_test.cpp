@@ -150,6 +150,36 @@ SparseMatrix<double> random_definite(Index size, unsigned seed) {
   return SparseMatrix<double>(factor * factor.transpose()) + 0.5 * identity;
 }
 
+TEST(LowestModes, MayBeWantedAboveTheLimitToo) {
+  for (const Index n : {30, 150, 5000})
+    for (const ModeCheck check : {ModeCheck::automatic, ModeCheck::block, ModeCheck::sturm})
+      for (const auto& [in_limit, at_least] : {std::pair<Index, Index>{0, 7}, {3, 12}, {12, 12}, {12, 5}}) {
+        const SparseMatrix<double> K = chain(n, true), M = diagonal(VectorXd::Ones(n));
+        const double limit =
+            0.5 * (in_limit == 0 ? fixed_chain_value(1, n)
+                                 : fixed_chain_value(in_limit, n) + fixed_chain_value(in_limit + 1, n));
+        const Index count = std::max(in_limit, at_least);
+        const LowestModes modes = lowest_modes(K, M, {.below = limit, .at_least = at_least, .check = check});
+        ASSERT_EQ(modes.values.size(), count) << n << " " << in_limit;
+        EXPECT_NEAR(modes.values[count - 1] / fixed_chain_value(count, n), 1.0, 1e-10);
+        EXPECT_NEAR(modes.next.value() / fixed_chain_value(count + 1, n), 1.0, 1e-2);
+        expect_eigenpairs(K, M, modes);
+        EXPECT_EQ(lowest_modes(K, M, {.count = 4, .below = limit, .at_least = at_least}).values.size(),
+                  std::min<Index>(4, count));
+      }
+}
+
+TEST(LowestModes, MayBeWantedBesideRigidOnes) {
+  for (const Index n : {30, 5000}) {
+    const SparseMatrix<double> K = chain(n, false), M = diagonal(VectorXd::Ones(n));
+    const auto value = [n](Index i) { return 4.0 * std::pow(std::sin(double(i) * M_PI / (2.0 * double(n))), 2); };
+    const LowestModes modes = lowest_modes(K, M, {.below = 0.5 * value(1), .at_least = 6});
+    ASSERT_EQ(modes.values.size(), 6);
+    EXPECT_EQ(modes.values[0], 0.0);
+    EXPECT_NEAR(modes.values[5] / value(5), 1.0, 1e-10);
+  }
+}
+
 TEST(LowestModes, EqualTheDenseSolversOfRandomPencils) {
   for (const Index n : {120, 400}) {
     const SparseMatrix<double> K = random_definite(n, 1), M = random_definite(n, 2);

@@ -95,6 +95,28 @@ TEST(CraigBampton, BelowHalfTheCutOffFrequenciesAreRight) {
   EXPECT_LT(error_indicators.static_error, 1e-14);          // rounding
 }
 
+// The others are there for other uses: the comparison is that of the modes in the band alone.
+TEST(CraigBampton, AsManyModesOfTheFullModelAreComputedAsAreAskedFor) {
+  const LinearModel full = lattice::model({.columns = 60, .rows = 40, .support = 100.0});
+  const auto reduced = [&](Index full_modes) {
+    return craig_bampton(
+        full, edge(59, 40),
+        {.modes = {.cutoff = 8.0}, .augmentation_vectors = true, .compare_up_to = 4.0, .full_modes = full_modes});
+  };
+  const Superelement few = reduced(0), many = reduced(150);
+  const auto compared = static_cast<Index>(few.error_indicators.modes.size());
+  EXPECT_EQ(few.full_modes->frequencies.size(), compared);
+  const auto& [frequencies, shapes] = *many.full_modes;
+  ASSERT_EQ(frequencies.size(), 150);
+  EXPECT_EQ(shapes.cols(), 150);
+  EXPECT_LT((frequencies - lowest_normal_modes(full, {150}).frequencies).norm(), 1e-10 * frequencies[149]);
+  ASSERT_EQ(many.error_indicators.modes.size(), few.error_indicators.modes.size());
+  for (std::size_t i = 0; i < many.error_indicators.modes.size(); ++i) {
+    EXPECT_NEAR(many.error_indicators.modes[i].full, few.error_indicators.modes[i].full, 1e-9 * frequencies[149]);
+    EXPECT_NEAR(many.error_indicators.modes[i].mac, few.error_indicators.modes[i].mac, 1e-6);
+  }
+}
+
 TEST(CraigBampton, NoTruncationVectorsAreLeftWhereAllModesAreKept) {
   const LinearModel full = lattice::model({.columns = 10, .rows = 10, .support = 50.0});
   EXPECT_EQ(craig_bampton(full, corners, {.modes = {.count = 96}, .augmentation_vectors = true}).model.size(), 100);
@@ -344,12 +366,18 @@ TEST(ModalDamping, GivesEachModeItsRatioAndTheRestTheLastRate) {
     const double limit = 0.5 * (omega[4] + omega[5]) / (2.0 * std::numbers::pi);
     add_modal_damping(limited, {0.05}, {.up_to = limit});
     EXPECT_EQ(limited.modal_damping.rates.size(), 5);
-    const NormalModes known = lowest_normal_modes(model, 12), computed = lowest_normal_modes(undamped, 12);
+    const NormalModes known = lowest_normal_modes(model, {12}), computed = lowest_normal_modes(undamped, {12});
     EXPECT_LT((known.frequencies - computed.frequencies).norm(), 1e-14 * computed.frequencies[11]);
-    EXPECT_EQ(lowest_normal_modes(model, 14).shapes.cols(), 14);
-    EXPECT_EQ(lowest_normal_modes(model, 12, limit).shapes.cols(), 5);
-    EXPECT_EQ(lowest_normal_modes(limited, 12, limit).shapes.cols(), 5);
-    EXPECT_EQ(lowest_normal_modes(limited, 3, limit).shapes.cols(), 3);
+    EXPECT_EQ(lowest_normal_modes(model, {14}).shapes.cols(), 14);
+    EXPECT_EQ(lowest_normal_modes(model, {12, limit}).shapes.cols(), 5);
+    EXPECT_EQ(lowest_normal_modes(limited, {12, limit}).shapes.cols(), 5);
+    EXPECT_EQ(lowest_normal_modes(limited, {3, limit}).shapes.cols(), 3);
+    for (const LinearModel& each : {undamped, model, limited}) {
+      const NormalModes seven = lowest_normal_modes(each, {12, limit, 7});
+      EXPECT_LT((seven.frequencies - computed.frequencies.head(7)).norm(), 1e-14 * computed.frequencies[11]);
+      EXPECT_EQ(seven.shapes.cols(), 7);
+      EXPECT_EQ(lowest_normal_modes(each, {12, limit, 3}).shapes.cols(), 5);
+    }
     EXPECT_THROW(add_modal_damping(limited, {0.05}, {.count = 2}), InvalidInput);
     EXPECT_THROW(add_modal_damping(open, {-0.05}, {}), InvalidInput);
   }

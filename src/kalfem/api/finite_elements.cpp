@@ -264,7 +264,7 @@ Superelement reduce(const FiniteElements& elements) {
 
 Eigen::VectorXd natural_frequencies(const FiniteElements& elements, Index count) {
   const FiniteElementPart part = PartBuilder(elements, {}).build();
-  return lowest_normal_modes(part.full, count, {}, part.factor.get()).frequencies;
+  return lowest_normal_modes(part.full, {count}, part.factor.get()).frequencies;
 }
 
 }  // namespace kalfem

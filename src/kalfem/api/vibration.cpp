@@ -33,7 +33,7 @@ Index counted(Index count, Index size) {
 StructureModes modes_of(const LinearModel& model, Index count) {
   const Index wanted = counted(count, model.size());
   const NormalModes modes =
-      wanted == model.size() ? normal_modes(model.mass, model.stiffness) : lowest_normal_modes(model, wanted);
+      wanted == model.size() ? normal_modes(model.mass, model.stiffness) : lowest_normal_modes(model, {wanted});
   StructureModes found{.dofs = model.dofs, .frequencies = modes.frequencies, .damping = {}, .shapes = modes.shapes};
   found.damping = VectorXd::Zero(modes.frequencies.size());
   for (Index i = 0; i < found.damping.size(); ++i) {

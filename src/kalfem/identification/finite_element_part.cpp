@@ -34,15 +34,15 @@ Superelement with_scale(const FiniteElementPart& part, Superelement superelement
 
 Superelement reduce_by(ReductionMethod method, const LinearModel& full, const std::vector<std::string>& boundary,
                        const ReductionOptions& options) {
+  FreeInterfaceOptions free{.modes = options.modes, .full_modes = options.full_modes, .whole = options.whole};
   switch (method) {
     case ReductionMethod::guyan:
       return guyan(full, boundary, options);
     case ReductionMethod::rubin:
-      return free_interface(full, boundary,
-                            {.kind = FreeInterfaceKind::rubin, .modes = options.modes, .whole = options.whole});
+      return free_interface(full, boundary, free);
     case ReductionMethod::macneal:
-      return free_interface(full, boundary,
-                            {.kind = FreeInterfaceKind::macneal, .modes = options.modes, .whole = options.whole});
+      free.kind = FreeInterfaceKind::macneal;
+      return free_interface(full, boundary, free);
     case ReductionMethod::craig_bampton:
       break;
   }
@@ -141,12 +141,22 @@ AssembledModel with_terms(const FiniteElementPart& part) {
   return assembled;
 }
 
-Superelement reduce(const FiniteElementPart& part, const ReductionRequest& request, double sensor_bandwidth) {
+Superelement reduce(const FiniteElementPart& part, const ReductionRequest& request, double sensor_bandwidth,
+                    Index full_modes) {
   const double bandwidth = std::isfinite(sensor_bandwidth) ? sensor_bandwidth : default_bandwidth;
   return with_scale(part, reduce_by(request.method, part.full, part.boundary,
                                     {.modes = modes_for(request, bandwidth),
                                      .augmentation_vectors = request.augmentation_vectors,
+                                     .full_modes = full_modes,
                                      .whole = part.factor}));
+}
+
+NormalModes lowest_full_modes(const FiniteElementSubstructure& substructure, Index count) {
+  const FiniteElementPart& part = *substructure.part;
+  const auto known = substructure.reduced ? substructure.reduced->full_modes : nullptr;
+  if (known && known->frequencies.size() >= count)
+    return {known->frequencies.head(count), known->shapes.leftCols(count)};
+  return lowest_normal_modes(part.full, {count}, part.factor.get());
 }
 
 Superelement reduce_for_responses(const FiniteElementPart& part, const ReductionRequest& request,

@@ -52,8 +52,14 @@ struct FiniteElementSubstructure {
   std::shared_ptr<const Superelement> reference;  ///< in the simulation; empty: the full model
 };
 
-/// The superelement of a part. `sensor_bandwidth` [Hz], infinite if no sensor has a limit.
-Superelement reduce(const FiniteElementPart& part, const ReductionRequest& request, double sensor_bandwidth);
+/// The superelement of a part. `sensor_bandwidth` [Hz], infinite if no sensor has a limit. Of the full model at least
+/// `full_modes` are computed for the comparison, for other uses.
+Superelement reduce(const FiniteElementPart& part, const ReductionRequest& request, double sensor_bandwidth,
+                    Eigen::Index full_modes = 0);
+
+/// The lowest `count` modes of a finite-element substructure at full order: those of the comparison with its
+/// superelement, where they are enough.
+NormalModes lowest_full_modes(const FiniteElementSubstructure& substructure, Eigen::Index count);
 
 /// The superelement of the part at other values of its parameters, with as many fixed-interface modes as `first` has,
 /// in the order of its factor, and without the comparison with the full model.

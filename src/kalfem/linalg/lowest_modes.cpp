@@ -106,11 +106,13 @@ class Wanted {
 public:
   Wanted(const LowestModesOptions& options, double shift)
       : count_(options.count.value_or(std::numeric_limits<Index>::max())),
+        at_least_(options.at_least),
         least_(options.below ? 1.0 / std::max(*options.below + shift, std::numeric_limits<double>::min()) : 0.0),
         tolerance_(options.tolerance) {}
 
   [[nodiscard]] Index among(const RitzPairs& pairs) const {
-    return std::min(count_, (pairs.values.array() >= least_).count());
+    const Index number = std::max(at_least_, (pairs.values.array() >= least_).count());
+    return std::min({count_, number, pairs.values.size()});
   }
 
   /// The wanted pairs have converged, and so has, roughly, the first that is not wanted.
@@ -123,15 +125,16 @@ public:
   }
 
   /// Size of a space that may hold them and the next.
-  [[nodiscard]] Index at_least() const { return least_ > 0.0 ? 1 : count_ + 1; }
+  [[nodiscard]] Index space() const { return (least_ > 0.0 ? std::min(at_least_, count_) : count_) + 1; }
 
   /// Every pair with a theta above this must be among the `count` that were found.
   [[nodiscard]] double floor(const RitzPairs& pairs, Index count) const {
-    return count == count_ ? (1.0 + same_value) * pairs.values[count - 1] : least_;
+    const double last = pairs.values[count - 1];
+    return count == count_ || last < least_ ? (1.0 + same_value) * last : least_;
   }
 
 private:
-  Index count_;
+  Index count_, at_least_;
   double least_;  ///< theta of the limit
   double tolerance_;
 };
@@ -139,7 +142,7 @@ private:
 /// A limit is mostly given with a number that it keeps from mattering.
 Index expected(const LowestModesOptions& options) {
   const Index count = options.count.value_or(first_guess);
-  return options.below ? std::min(count, first_guess) : count;
+  return options.below ? std::min(count, std::max(first_guess, options.at_least)) : count;
 }
 
 /// Space for a basis in which so many pairs converge; where they are more than was thought, it grows.
@@ -154,7 +157,7 @@ void make_room(BlockLanczos& lanczos, const RitzPairs& pairs, Index wanted) {
 
 /// Extends the space until the wanted pairs have converged in it, or nothing is left outside.
 RitzPairs iterate(BlockLanczos& lanczos, const Wanted& wanted) {
-  Index next_look = wanted.at_least();
+  Index next_look = wanted.space();
   for (int rooms = 0; rooms < most_rooms;) {
     if (!lanczos.step() && !(lanczos.restart_at_random() && lanczos.step())) return lanczos.pairs();
     if (lanczos.size() < next_look && !lanczos.full()) continue;
@@ -253,7 +256,8 @@ LowestModes by_dense(const Problem& problem) {
       dense_modes(problem.stiffness, problem.mass, problem.factored.factor, problem.factored.shift);
   const double limit = problem.options.below.value_or(std::numeric_limits<double>::infinity());
   const Index all = pairs.values.size();
-  const Index count = std::min({(pairs.values.array() <= limit).count(), all, problem.options.count.value_or(all)});
+  const Index number = std::max(problem.options.at_least, (pairs.values.array() <= limit).count());
+  const Index count = std::min({number, all, problem.options.count.value_or(all)});
   LowestModes modes{pairs.values.head(count), pairs.vectors.leftCols(count), {}, 0};
   if (count < all) modes.next = pairs.values[count];
   return modes;
@@ -305,11 +309,13 @@ LowestModes lowest_modes(const Matrix& stiffness, const Matrix& mass, const Stif
                        "a model has no more modes than degrees of freedom with mass", "request fewer modes");
   if (massive == 0) return {VectorXd(0), MatrixXd(mass.rows(), 0), {}, 0};
   const Index rigid = factored.rigid_modes.cols();
-  const bool most_of_all = 3 * options.count.value_or(0) >= massive && mass.rows() <= sturm_limit;
+  const bool most_of_all =
+      3 * std::max(options.at_least, options.count.value_or(0)) >= massive && mass.rows() <= sturm_limit;
   const bool dense = massive <= dense_limit || most_of_all;
   if (rigid > 0 && (dense || options.count.value_or(rigid) < rigid)) return lowest_modes(stiffness, mass, options);
   LowestModesOptions elastic = options;
   if (options.count) elastic.count = *options.count - rigid;
+  elastic.at_least = std::max<Index>(0, options.at_least - rigid);
   const Problem problem{stiffness, mass, factored, elastic};
   LowestModes modes = dense ? by_dense(problem) : behind(factored.rigid_modes, by_lanczos(problem));
   if (factored.shift > 0.0) clean_rigid_modes(stiffness, modes);

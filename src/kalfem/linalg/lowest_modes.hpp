@@ -23,6 +23,7 @@ enum class ModeCheck {
 struct LowestModesOptions {
   std::optional<Eigen::Index> count = {};
   std::optional<double> below = {};  ///< lambda limit [(rad/s)^2]
+  Eigen::Index at_least = 0;         ///< so many also above the limit
   double tolerance = 1e-10;  ///< |(K + s M)^-1 M phi - theta phi|_M <= tolerance theta, theta = 1 / (lambda + s)
   ModeCheck check = ModeCheck::automatic;
 };

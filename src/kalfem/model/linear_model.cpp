@@ -76,9 +76,9 @@ void check(const LinearModel& model, const std::vector<double>& ratios, const Mo
   issues.raise();
 }
 
-LowestModes lowest(const LinearModel& model, std::optional<Index> count, std::optional<double> up_to,
+LowestModes lowest(const LinearModel& model, std::optional<Index> count, std::optional<double> up_to, Index at_least,
                    const StiffnessFactor* factor) {
-  LowestModesOptions wanted;
+  LowestModesOptions wanted{.at_least = at_least};
   if (count) wanted.count = std::min(*count, (model.mass.diagonal().array() > 0.0).count());
   if (up_to) wanted.below = std::pow(2.0 * std::numbers::pi * *up_to, 2);
   return factor ? lowest_modes(model.stiffness, model.mass, *factor, wanted)
@@ -95,7 +95,7 @@ void add_modal_damping(LinearModel& model, const std::vector<double>& ratios, co
                        const StiffnessFactor* factor) {
   check(model, ratios, options);
   if (ratios.empty()) return;
-  LowestModes modes = lowest(model, options.count, options.up_to, factor);
+  LowestModes modes = lowest(model, options.count, options.up_to, 0, factor);
   const Index count = modes.values.size();
   if (count == 0) return;
   const VectorXd frequencies = frequencies_of(modes);
@@ -109,13 +109,15 @@ void add_modal_damping(LinearModel& model, const std::vector<double>& ratios, co
 }
 
 // The modes of the modal damping serve where they are enough, or where the asked band ends before them.
-NormalModes lowest_normal_modes(const LinearModel& model, Index count, std::optional<double> up_to,
+NormalModes lowest_normal_modes(const LinearModel& model, const NormalModesRange& range,
                                 const StiffnessFactor* factor) {
+  const auto& [count, up_to, at_least] = range;
   const auto& [frequencies, shapes] = model.modal_damping.modes;
-  const Index in_range = up_to ? (frequencies.array() <= *up_to).count() : frequencies.size();
-  const Index wanted = std::min(count, in_range);
-  if (wanted == count || in_range < frequencies.size()) return {frequencies.head(wanted), shapes.leftCols(wanted)};
-  LowestModes modes = lowest(model, count, up_to, factor);
+  const Index known = frequencies.size(), in_band = up_to ? (frequencies.array() <= *up_to).count() : known;
+  const Index wanted = std::min(count, std::max(at_least, in_band));
+  if (wanted <= known && (wanted == count || in_band < known))
+    return {frequencies.head(wanted), shapes.leftCols(wanted)};
+  LowestModes modes = lowest(model, count, up_to, at_least, factor);
   return {frequencies_of(modes), std::move(modes.vectors)};
 }
 

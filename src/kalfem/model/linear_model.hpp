@@ -109,9 +109,16 @@ struct ModalDampingOptions {
 void add_modal_damping(LinearModel& model, const std::vector<double>& ratios, const ModalDampingOptions& options,
                        const StiffnessFactor* factor = nullptr);
 
-/// The model's lowest `count` normal modes, or fewer where they end at a frequency [Hz]. They are not computed where
-/// the modal damping knows them already. `factor`: of the model's K, where it is at hand.
-NormalModes lowest_normal_modes(const LinearModel& model, Eigen::Index count, std::optional<double> up_to = {},
+/// Which of the normal modes are wanted, from the lowest on.
+struct NormalModesRange {
+  Eigen::Index count = 0;            ///< fewer where the model has no more
+  std::optional<double> up_to = {};  ///< [Hz]: fewer where they end there
+  Eigen::Index at_least = 0;         ///< of the count, whatever their frequency
+};
+
+/// The model's lowest normal modes. They are not computed where the modal damping knows them already. `factor`: of the
+/// model's K, where it is at hand.
+NormalModes lowest_normal_modes(const LinearModel& model, const NormalModesRange& range,
                                 const StiffnessFactor* factor = nullptr);
 
 }  // namespace kalfem

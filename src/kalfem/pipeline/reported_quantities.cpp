@@ -72,21 +72,21 @@ std::vector<SubstructureModes> substructure_modes(const Study& study, Eigen::Ind
     const auto modes = normal_modes(model.mass, model.stiffness);
     all.push_back({lumped.name, model.size(), model.mass.sum(), modes.frequencies, modes.shapes});
   }
-  for (const auto& elements : study.structure->finite_elements) all.push_back(modes_of(*elements.part, count));
+  for (const auto& elements : study.structure->finite_elements)
+    all.push_back(modes_of(*elements.part, lowest_full_modes(elements, count)));
   return all;
 }
 
 Eigen::VectorXd joined_frequencies(const Study& study, Eigen::Index count, std::vector<std::string>& warnings) try {
   const StructureParts& parts = study.structure->parts;
   if (parts.shared.empty() || count == 0) return {};
-  return lowest_normal_modes(linearised_at_rest(couple(parts)), count).frequencies;
+  return lowest_normal_modes(linearised_at_rest(couple(parts)), {count}).frequencies;
 } catch (const InvalidInput& error) {
   warnings.push_back(std::string("the natural frequencies of the joined structure are left out: ") + error.what());
   return {};
 }
 
-SubstructureModes modes_of(const FiniteElementPart& part, Eigen::Index count) {
-  auto modes = count > 0 ? lowest_normal_modes(part.full, count, {}, part.factor.get()) : NormalModes{};
+SubstructureModes modes_of(const FiniteElementPart& part, NormalModes modes) {
   return {part.name, part.full.size(), part.mass.mass, std::move(modes.frequencies), std::move(modes.shapes)};
 }
 

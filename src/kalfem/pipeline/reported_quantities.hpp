@@ -42,7 +42,7 @@ std::vector<SubstructureModes> substructure_modes(const Study& study, Eigen::Ind
 /// The lowest `count` natural frequencies [Hz] of all parts together: superelements where they are reduced, connectors
 /// linear about rest. Empty without joints; with a warning, where a connector has no tangent at rest.
 Eigen::VectorXd joined_frequencies(const Study& study, Eigen::Index count, std::vector<std::string>& warnings);
-/// The lowest `count` modes of a finite-element substructure at full order.
-SubstructureModes modes_of(const FiniteElementPart& part, Eigen::Index count);
+/// These modes of a finite-element substructure at full order.
+SubstructureModes modes_of(const FiniteElementPart& part, NormalModes modes);
 
 }  // namespace kalfem

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <numbers>
 
 #include "kalfem/base/stopwatch.hpp"
@@ -43,15 +44,11 @@ VectorXd residuals(const LinearModel& full, const TallMatrix& shapes, const Vect
   return sizes;
 }
 
-}  // namespace
-
-double comparison_band(const ReductionErrorIndicators& error_indicators, double asked) {
-  if (asked > 0.0) return asked;
+/// Band of all kept modes, or below the first left out where none is kept [Hz].
+double band_of(const ReductionErrorIndicators& error_indicators) {
   const double highest = error_indicators.highest_kept;
   return highest > 0.0 ? highest * (1.0 + rounding_of_frequency) : error_indicators.next_left_out;
 }
-
-namespace {
 
 /// Largest difference of a gauge's strains in the full modes from those in the span of the recovered shapes, Phi Phi^T
 /// M phi, relative to the gauge's largest strain. `exact`, `shapes`: mass-normalised.
@@ -71,18 +68,23 @@ std::map<std::string, double> compare_strains(const LinearModel& full, const Mat
 
 // Each mode of the full model is looked for in the span of the reduced modes of its frequency, recovered by T: modes of
 // equal frequency may be any combination of each other, and a single MAC would call a good reduction bad.
-void compare_modes(const LinearModel& full, const Superelement& reduced, double up_to, const StiffnessFactor* whole,
-                   ReductionErrorIndicators& error_indicators) {
+void compare_modes(const LinearModel& full, double up_to, Index at_least, const StiffnessFactor* whole,
+                   Superelement& element) {
   const Stopwatch watch;
-  const NormalModes exact = lowest_normal_modes(full, reduced.model.size(), up_to, whole);
-  const Index finite = (reduced.model.mass.diagonal().array() > 0.0).count();
+  ReductionErrorIndicators& error_indicators = element.error_indicators;
+  const double band = up_to > 0.0 ? up_to : band_of(error_indicators);
+  const LinearModel& reduced = element.model;
+  element.full_modes = std::make_shared<const NormalModes>(lowest_normal_modes(
+      full, {.count = std::max(at_least, reduced.size()), .up_to = band, .at_least = at_least}, whole));
+  const NormalModes& exact = *element.full_modes;
+  const Index in_band = std::min(reduced.size(), (exact.frequencies.array() <= band).count());
+  const Index finite = (reduced.mass.diagonal().array() > 0.0).count();
   // Beyond the band as well, so that each full mode finds its own and those of the same frequency.
-  LowestModes own = lowest_modes(reduced.model.stiffness, reduced.model.mass,
-                                 {.count = std::min(finite, exact.frequencies.size() + 8)});
-  const MatrixXd shapes = reduced.basis * own.vectors;
+  LowestModes own = lowest_modes(reduced.stiffness, reduced.mass, {.count = std::min(finite, in_band + 8)});
+  const MatrixXd shapes = element.basis * own.vectors;
   // Small as it is, the reduced stiffness does not show how large the energies are that cancel in a rigid-body mode.
   for (Index i = 0; i < own.values.size() && moves_rigidly(full.stiffness, shapes.col(i)); ++i) own.values[i] = 0.0;
-  const Index count = std::min(exact.frequencies.size(), own.values.size());
+  const Index count = std::min(in_band, own.values.size());
   const VectorXd residual = residuals(full, shapes.leftCols(count), own.values);
   for (Index i = 0; i < count; ++i)
     error_indicators.modes.push_back({.full = exact.frequencies[i],
@@ -90,7 +92,7 @@ void compare_modes(const LinearModel& full, const Superelement& reduced, double 
                                       .mac = captured(full.mass * exact.shapes.col(i), shapes, own.values, i),
                                       .residual = residual[i]});
   // The highest kept modes strain otherwise than the full model's in any reduction, far above what sensors see.
-  if (const Index lower = std::min(count, (exact.frequencies.array() <= 0.5 * up_to).count()); lower > 0)
+  if (const Index lower = std::min(count, (exact.frequencies.array() <= 0.5 * band).count()); lower > 0)
     error_indicators.gauges = compare_strains(full, exact.shapes.leftCols(lower), shapes);
   error_indicators.compare_seconds = watch.seconds();
 }

@@ -4,12 +4,11 @@
 
 namespace kalfem {
 
-/// Band in which modes are compared [Hz]: what is asked for, or 0 for all kept modes (see ReductionOptions).
-double comparison_band(const ReductionErrorIndicators& error_indicators, double asked);
-/// Full and reduced modes up to a frequency [Hz], place by place, and their strains at the gauges: sets `modes` and
-/// `gauges` of the indicators, the latter from the modes in the lower half. `whole`: factor of the full model's K, null
-/// where it is not at hand.
-void compare_modes(const LinearModel& full, const Superelement& reduced, double up_to, const StiffnessFactor* whole,
-                   ReductionErrorIndicators& error_indicators);
+/// Full and reduced modes up to a frequency [Hz], 0: that of all kept modes (see ReductionOptions), place by place, and
+/// their strains at the gauges, from the modes in the lower half. Sets `full_modes`, at least so many, of the
+/// superelement and `modes`, `gauges` and `compare_seconds` of its indicators. `whole`: factor of the full model's K,
+/// null where it is not at hand.
+void compare_modes(const LinearModel& full, double up_to, Eigen::Index at_least, const StiffnessFactor* whole,
+                   Superelement& element);
 
 }  // namespace kalfem

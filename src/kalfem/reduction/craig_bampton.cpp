@@ -155,8 +155,7 @@ Superelement craig_bampton(const LinearModel& model, const std::vector<std::stri
   Superelement element = reduced(model, joined(boundary, options.also_kept), options);
   element.error_indicators.seconds = watch.seconds();
   if (options.error_indicators)
-    compare_modes(model, element, comparison_band(element.error_indicators, options.compare_up_to), options.whole.get(),
-                  element.error_indicators);
+    compare_modes(model, options.compare_up_to, options.full_modes, options.whole.get(), element);
   return element;
 }
 

@@ -204,8 +204,7 @@ Superelement free_interface(const LinearModel& model, const std::vector<std::str
   error_indicators.solves = kept.modes.solves + space.solves;
   error_indicators.seconds = watch.seconds();
   if (options.error_indicators)
-    compare_modes(model, element, comparison_band(error_indicators, options.compare_up_to), options.whole.get(),
-                  error_indicators);
+    compare_modes(model, options.compare_up_to, options.full_modes, options.whole.get(), element);
   return element;
 }
 

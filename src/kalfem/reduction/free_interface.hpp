@@ -17,6 +17,7 @@ struct FreeInterfaceOptions {
   ModeSelection modes = {};                 ///< count or cutoff, at least one
   std::vector<std::string> also_kept = {};  ///< degrees of freedom treated as boundary beside it, such as sensors'
   double compare_up_to = 0.0;               ///< as in ReductionOptions
+  Eigen::Index full_modes = 0;              ///< as there
   bool error_indicators = true;             ///< compare at all (costs the full model's modes)
   std::shared_ptr<const StiffnessFactor> whole = {};  ///< factor of the whole model's K, where it is at hand
 };

@@ -60,6 +60,7 @@ struct Superelement {
   Eigen::MatrixXd basis;  ///< T, n x r: displacement of all full degrees of freedom per reduced one
   std::vector<Eigen::Index> boundary;  ///< indices of the boundary in the full model
   ReductionErrorIndicators error_indicators;
+  std::shared_ptr<const NormalModes> full_modes = {};  ///< of the full model, of the comparison; empty without it
 
   /// Displacement of the full model's degrees of freedom; works for velocities and accelerations too.
   [[nodiscard]] Eigen::MatrixXd recover(const Eigen::MatrixXd& reduced) const { return basis * reduced; }
@@ -83,6 +84,7 @@ struct ReductionOptions {
   EliminationOrder order = {};   ///< of an earlier reduction with the same pattern and boundary, see its indicators
   double compare_up_to = 0.0;    ///< band in which modes are compared with the full model's [Hz]; 0: up to the highest
                                  ///< kept, or below the first left out where none is kept
+  Eigen::Index full_modes = 0;   ///< so many of the full model are computed for it at least, for other uses
   bool error_indicators = true;  ///< compare at all (costs the full model's modes)
   std::shared_ptr<const StiffnessFactor> whole = {};  ///< factor of the whole model's K, where it is at hand
 };

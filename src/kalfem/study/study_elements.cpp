@@ -177,7 +177,7 @@ void add_finite_elements(StructureModel& structure, CaseStudy& study, const Prog
       elements.reduction = reduction_request(given.reduction);
       if (!elements.part->boundary.empty()) {
         elements.reduced = std::make_shared<const Superelement>(
-            reduce(*elements.part, elements.reduction, sensor_bandwidth(study.given)));
+            reduce(*elements.part, elements.reduction, sensor_bandwidth(study.given), study.given.report.modes));
         study.reduce_phases.add("reduce", elements.reduced->error_indicators.seconds);
         study.reduce_phases.add("compare", elements.reduced->error_indicators.compare_seconds);
         if (study.given.simulate && study.given.simulate->superelements)
