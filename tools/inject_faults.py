@@ -4,6 +4,7 @@
 All faults of tools/faults/*.txt are put into a copy of the project at once, each behind a switch that the environment
 variable KALFEM_FAULT turns on by its number, so that they cost one build together:
 
+    python3 tools/inject_faults.py check                       whether each fault has its place in the sources
     python3 tools/inject_faults.py prepare build/faults        copy the project and put the faults in
     python3 tools/inject_faults.py build build/faults          configure and build what the faults need
     python3 tools/inject_faults.py run build/faults            run the tests of each fault, and all of them without one
@@ -124,23 +125,27 @@ def write_if_other(path, content):
     path.write_bytes(content)
 
 
-def prepare(folder, faults):
+def with_faults(faults):
+    """The sources that faults belong to, with all of them in it: {file: content}. Ends where one has no place."""
     by_file = {}
     for fault in faults:
         by_file.setdefault(fault.file, []).append(fault)
-    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=PROJECT, capture_output=True, text=True, check=True)
-    contents, problems = {}, [f"there is no file {name}" for name in by_file if not (PROJECT / name).is_file()]
-    for name in listed.stdout.splitlines():
-        if not (PROJECT / name).is_file():
-            continue
-        contents[name] = (PROJECT / name).read_bytes()
-        if name in by_file:
-            contents[name] = put_in(by_file[name], contents[name].decode(), problems).encode()
+    problems = [f"there is no file {name}" for name in by_file if not (PROJECT / name).is_file()]
+    contents = {
+        name: put_in(own, (PROJECT / name).read_text(), problems).encode() for name, own in by_file.items() if (PROJECT / name).is_file()
+    }
     if problems:
         sys.exit("\n".join(problems))
-    for name, content in contents.items():
-        write_if_other(folder / name, content)
     print(f"{len(faults)} faults in {len(by_file)} files")
+    return contents
+
+
+def prepare(folder, faults):
+    changed = with_faults(faults)
+    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=PROJECT, capture_output=True, text=True, check=True)
+    for name in listed.stdout.splitlines():
+        if (PROJECT / name).is_file():
+            write_if_other(folder / name, changed[name] if name in changed else (PROJECT / name).read_bytes())
 
 
 def programs(faults):
@@ -200,7 +205,7 @@ def run(folder, faults, jobs):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("command", choices=["prepare", "build", "run", "list"])
+    parser.add_argument("command", choices=["check", "prepare", "build", "run", "list"])
     parser.add_argument("folder", nargs="?", type=pathlib.Path, default=PROJECT / "build/faults")
     parser.add_argument("--only", help="numbers of faults, such as 3,7-12, or a group")
     parser.add_argument("--jobs", type=int, default=2)
@@ -217,6 +222,8 @@ def main():
         chosen = [fault for fault in everything if fault.number in numbers]
     if given.command == "list":
         print("\n".join(fault.title() for fault in chosen))
+    elif given.command == "check":
+        with_faults(everything)
     elif given.command == "prepare":
         prepare(given.folder, everything)
     elif given.command == "build":
