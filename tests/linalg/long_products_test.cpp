@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "linalg/near.hpp"
 #include "linalg/symmetric_matrix.hpp"
 
 namespace kalfem {
@@ -10,14 +11,9 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using test::expect_near;
 using test::symmetric_matrix;
 using Matrix = Eigen::SparseMatrix<double>;
-
-void expect_near(const MatrixXd& found, const MatrixXd& expected) {
-  ASSERT_EQ(found.rows(), expected.rows());
-  ASSERT_EQ(found.cols(), expected.cols());
-  EXPECT_LE((found - expected).norm(), 1e-13 * expected.norm());
-}
 
 // More vectors than are multiplied at a time, in all of these.
 TEST(LongProducts, AreShownPanelByPanel) {

@@ -4,23 +4,20 @@
 
 #include <new>
 
+#include "linalg/near.hpp"
+
 namespace kalfem {
 namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using test::expect_near;
 
 std::unique_ptr<LongVectors> vectors_of(const MatrixXd& columns, Index capacity) {
   auto vectors = make_long_vectors(columns.rows());
   vectors->reserve(capacity);
   vectors->put(0, columns);
   return vectors;
-}
-
-void expect_near(const MatrixXd& found, const MatrixXd& expected) {
-  ASSERT_EQ(found.rows(), expected.rows());
-  ASSERT_EQ(found.cols(), expected.cols());
-  EXPECT_LE((found - expected).norm(), 1e-13 * expected.norm());
 }
 
 TEST(LongVectors, ComeBackAsTheyWerePut) {

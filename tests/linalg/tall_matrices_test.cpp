@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "linalg/near.hpp"
 #include "linalg/symmetric_matrix.hpp"
 
 namespace kalfem {
@@ -11,14 +12,9 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using test::expect_near;
 using test::symmetric_matrix;
 using Matrix = Eigen::SparseMatrix<double>;
-
-void expect_near(const MatrixXd& found, const MatrixXd& expected) {
-  ASSERT_EQ(found.rows(), expected.rows());
-  ASSERT_EQ(found.cols(), expected.cols());
-  EXPECT_LE((found - expected).norm(), 1e-14 * expected.norm());
-}
 
 // Widths around the eight columns that are multiplied at once, the narrow ones after the wide ones.
 TEST(TallMatrices, AreMultipliedByASymmetricMatrix) {
@@ -57,21 +53,6 @@ TEST(TallMatrices, AreWorkedOnInPanelsOfAboutEqualWidth) {
     EXPECT_EQ(end, columns);
   }
   EXPECT_EQ(widths, (std::vector<Index>{1, 32, 16, 17, 21, 22, 22}));
-}
-
-// More columns than are multiplied out at a time.
-TEST(TallMatrices, ShowTheirProductsPanelByPanel) {
-  const Matrix A = symmetric_matrix(101);
-  const MatrixXd X = MatrixXd::Random(101, 71);
-  MatrixXd products(101, 71);
-  visit_products(A, X,
-                 [&](Index first, const TallMatrix& product) { products.middleCols(first, product.cols()) = product; });
-  expect_near(products, MatrixXd(A) * X);
-}
-
-TEST(TallMatrices, ShowNoProductsWithAnEmptyMatrix) {
-  const MatrixXd X = MatrixXd::Random(11, 3);
-  visit_products(Matrix(11, 11), X, [&](Index, const TallMatrix&) { FAIL(); });
 }
 
 // More rows than are combined at a time.

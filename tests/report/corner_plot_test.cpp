@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "kalfem/report/density_contour.hpp"
 #include "report/sample_inference.hpp"
 
 namespace kalfem {

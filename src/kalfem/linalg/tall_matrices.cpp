@@ -26,18 +26,6 @@ void SymmetricProduct::multiply(const TallMatrix& columns, Eigen::Ref<MatrixXd> 
   }
 }
 
-void visit_products(const Matrix& A, const TallMatrix& X,
-                    const std::function<void(Index first, const TallMatrix& product)>& visit) {
-  if (A.nonZeros() == 0) return;
-  SymmetricProduct product(A);
-  MatrixXd images(X.rows(), std::min(widest_panel, X.cols()));
-  by_panels(X.cols(), widest_panel, [&](Index first, Index width) {
-    auto image = images.leftCols(width);
-    product.multiply(X.middleCols(first, width), image);
-    visit(first, image);
-  });
-}
-
 void combine(Eigen::Ref<MatrixXd> X, const TallMatrix& W) {
   constexpr Index panel = 6144;
   MatrixXd combined;

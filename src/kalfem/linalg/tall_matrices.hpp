@@ -2,7 +2,6 @@
 
 #include <Eigen/Dense>
 #include <Eigen/Sparse>
-#include <functional>
 
 namespace kalfem {
 
@@ -42,11 +41,6 @@ void by_panels(Eigen::Index columns, Eigen::Index widest, const Work& work) {
     work(first, columns * (panel + 1) / panels - first);
   }
 }
-
-/// Calls visit(j, A X_p) for the panels X_p of X, one after the other; j is the column of X where the panel begins.
-/// Where A has no entries there are none.
-void visit_products(const Eigen::SparseMatrix<double>& A, const TallMatrix& X,
-                    const std::function<void(Eigen::Index first, const TallMatrix& product)>& visit);
 
 /// X W in place of the leading columns of X, for a W with no more columns than rows.
 void combine(Eigen::Ref<Eigen::MatrixXd> X, const TallMatrix& W);

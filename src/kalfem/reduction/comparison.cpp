@@ -8,7 +8,6 @@
 
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
-#include "kalfem/linalg/tall_matrices.hpp"
 #include "kalfem/reduction/combinations.hpp"
 
 namespace kalfem {
@@ -34,13 +33,13 @@ double captured(const VectorXd& momentum, const MatrixXd& shapes, const VectorXd
 }
 
 /// |K phi - lambda M phi| / |K phi| of the leading shapes; 0 where lambda is, as that is rounding against rounding.
-VectorXd residuals(const LinearModel& full, const TallMatrix& shapes, const VectorXd& values) {
+VectorXd residuals(const LinearModel& full, const Eigen::Ref<const MatrixXd>& shapes, const VectorXd& values) {
   VectorXd sizes = VectorXd::Zero(shapes.cols());
-  visit_products(full.stiffness, shapes, [&](Index first, const TallMatrix& forces) {
-    for (Index j = 0; j < forces.cols(); ++j)
-      if (const double value = values[first + j]; value != 0.0)
-        sizes[first + j] = (forces.col(j) - value * (full.mass * shapes.col(first + j))).norm() / forces.col(j).norm();
-  });
+  for (Index j = 0; j < shapes.cols(); ++j) {
+    if (values[j] == 0.0) continue;
+    const VectorXd force = full.stiffness * shapes.col(j);
+    sizes[j] = (force - values[j] * (full.mass * shapes.col(j))).norm() / force.norm();
+  }
   return sizes;
 }
 

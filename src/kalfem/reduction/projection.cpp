@@ -59,14 +59,14 @@ SparseMatrix projected_mass(const SparseMatrix& mass, const LongVectors& T, Inde
 SparseMatrix projected_stiffness(const SparseMatrix& stiffness, const LongVectors& T, const VectorXd& values) {
   const Index n_b = T.capacity() - values.size();
   const VectorXd diagonal = stiffness.diagonal();
-  VectorXd scale = VectorXd::Zero(n_b);  // of the energies that add up to a coordinate's
-  MatrixXd held = MatrixXd::Zero(n_b, n_b);
+  VectorXd scale = VectorXd::Zero(n_b);  // of the energies that cancel in a coordinate's
+  MatrixXd static_part = MatrixXd::Zero(n_b, n_b);
   visit_products(stiffness, T, n_b, [&](Index first, const TallMatrix& panel, const TallMatrix& forces) {
-    held.block(first, first, n_b - first, panel.cols()) = T.products(first, n_b, forces);
+    static_part.block(first, first, n_b - first, panel.cols()) = T.products(first, n_b, forces);
     scale.segment(first, panel.cols()) = panel.cwiseAbs2().transpose() * diagonal;
   });
   MatrixXd reduced = MatrixXd::Zero(T.capacity(), T.capacity());
-  reduced.topLeftCorner(n_b, n_b) = held.selfadjointView<Eigen::Lower>();
+  reduced.topLeftCorner(n_b, n_b) = static_part.selfadjointView<Eigen::Lower>();
   // The energy of a coordinate that moves the whole rigidly is rounding, of either sign.
   for (Index j = 0; j < n_b; ++j)
     if (reduced(j, j) <= std::numeric_limits<double>::epsilon() * scale[j]) {

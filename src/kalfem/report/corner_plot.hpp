@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Dense>
-#include <array>
 #include <optional>
 #include <vector>
 
@@ -12,14 +11,6 @@ namespace kalfem {
 
 /// Parameters that are drawn: all of up to `most`, otherwise those with the strongest correlations, in their order.
 std::vector<Eigen::Index> drawn_parameters(const InferenceOutcome& outcome, std::size_t most);
-
-/// A straight piece of a contour, from one point to another.
-using ContourPiece = std::array<Eigen::Vector2d, 2>;
-
-/// Contour about the smallest region with this share of the weight of points in a plane, 2 x n. Density: a Gaussian
-/// kernel of Scott's width, n_eff^(-1/6), in coordinates without correlation. Empty where the points do not spread
-/// in two directions. `weights` sum to one.
-std::vector<ContourPiece> density_contour(const Eigen::Matrix2Xd& points, const Eigen::VectorXd& weights, double share);
 
 /// Values of an axis at 1, 2 or 5 times a power of ten, at most `most` of them inside of [low, high].
 std::vector<double> axis_ticks(double low, double high, int most);
