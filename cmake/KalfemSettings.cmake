@@ -11,7 +11,10 @@ set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
 
 find_program(CCACHE ccache)
 if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER env CCACHE_DEPEND=1 CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
+  # Paths count from the project's folder and precompiled headers by their text, so that every clone finds what another
+  # one on the machine has compiled.
+  set(CMAKE_CXX_COMPILER_LAUNCHER env CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} CCACHE_DEPEND=1 CCACHE_PCH_EXTSUM=1
+                                  CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
 endif()
 
 include(CheckLinkerFlag)
@@ -21,6 +24,11 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
     add_link_options(-fuse-ld=lld)
   endif()
 endif()
+
+# Programs look for shared libraries where the system has them, never in a folder of the build or the current one.
+set(CMAKE_SKIP_RPATH ON)
+# Their addresses are drawn anew at each start, and the tables of the dynamic linker are read-only.
+add_link_options($<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:-pie> LINKER:-z,relro,-z,now)
 
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(BLAS REQUIRED)
@@ -74,6 +82,9 @@ elseif(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
   # Some laws' loops have branches that cannot run side by side. Without a time in them, precompiled headers of one content
   # are one to ccache.
   target_compile_options(kalfem_private_flags INTERFACE -Wno-pass-failed "SHELL:-Xclang -fno-pch-timestamp")
+endif()
+if(NOT KALFEM_SANITIZE AND NOT KALFEM_LIBFUZZER)  # which check more than these do
+  target_compile_options(kalfem_private_flags INTERFACE -fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2)
 endif()
 if(KALFEM_NATIVE AND NOT KALFEM_SANITIZE)
   target_compile_options(kalfem_private_flags INTERFACE -march=native)

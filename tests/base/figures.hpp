@@ -11,6 +11,8 @@
 #include <string>
 #include <string_view>
 
+#include "base/places.hpp"
+
 // The figures of docs/accuracy.md. docs/figures.txt states each by a name and in the digits that the page shows, such
 // as "chain.mu_k1.error = 0.24 %"; tests measure them. `scripts/accuracy` writes what they measure into the file and
 // makes the page anew.
@@ -44,7 +46,7 @@ inline std::optional<StatedFigure> parse_figure(const std::string& text) {
 
 /// The text that docs/figures.txt states for a name, without the comment that begins with #.
 inline std::optional<std::string> stated_text(const std::string& name) {
-  std::ifstream file(std::filesystem::path(KALFEM_SOURCE_DIR) / "docs/figures.txt");
+  std::ifstream file(std::filesystem::path(source_folder()) / "docs/figures.txt");
   for (std::string line; std::getline(file, line);) {
     if (!line.starts_with(name + " = ")) continue;
     const std::string text = line.substr(name.size() + 3, line.find('#') - name.size() - 3);
@@ -55,7 +57,7 @@ inline std::optional<std::string> stated_text(const std::string& name) {
 
 /// Leaves what was measured where `scripts/accuracy` reads it: figures/<name> in the build folder.
 inline void leave_figure(const std::string& name, double measured) {
-  const auto folder = std::filesystem::path(KALFEM_COMMAND).parent_path().parent_path() / "figures";
+  const auto folder = std::filesystem::path(command_file()).parent_path().parent_path() / "figures";
   std::filesystem::create_directories(folder);
   std::ofstream(folder / name) << std::setprecision(17) << measured << "\n";
 }

@@ -1,23 +1,23 @@
 #pragma once
 
-#include <cmath>
-#include <numbers>
+#include <string>
+#include <vector>
 
-#include "kalfem/linalg/lowest_modes.hpp"
-#include "kalfem/model/assembly/assembly.hpp"
-#include "kalfem/model/assembly/rigid_body.hpp"
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/model/finite_element_model.hpp"
 
+namespace kalfem {
+struct AssembledModel;
+}
+
+/// Meshes and models that many tests build.
 namespace kalfem::test {
 
 inline const IsotropicMaterial steel{.youngs_modulus = 2.1e11, .poissons_ratio = 0.3, .density = 7850.0};
 inline const IsotropicMaterial nafems_steel{.youngs_modulus = 200e9, .poissons_ratio = 0.3, .density = 8000.0};
 
 /// All issues of a model as one text.
-inline std::string issues_of(const FiniteElementModel& model) {
-  std::string text;
-  for (const auto& issue : validate(model)) text += to_string(issue) + "\n";
-  return text;
-}
+std::string issues_of(const FiniteElementModel& model);
 
 /// The message of the InvalidInput that `action` throws, "" if it throws none.
 template <typename Action>
@@ -30,84 +30,26 @@ std::string message_of(const Action& action) {
   return "";
 }
 
-inline Eigen::Index add_node(Mesh& mesh, const Eigen::Vector3d& place) {
-  const Eigen::Index index = mesh.node_count();
-  mesh.nodes.conservativeResize(3, index + 1);
-  mesh.nodes.col(index) = place;
-  mesh.node_ids.push_back(index + 1);
-  return index;
-}
-
-inline void add_cell(Mesh& mesh, const std::string& region, CellShape shape, const std::vector<Eigen::Index>& nodes) {
-  mesh.regions[region].push_back(mesh.add_cell(shape, static_cast<std::int64_t>(mesh.cells.size()) + 1, nodes));
-}
+Eigen::Index add_node(Mesh& mesh, const Eigen::Vector3d& place);
+void add_cell(Mesh& mesh, const std::string& region, CellShape shape, const std::vector<Eigen::Index>& nodes);
 
 /// Nodes 0 .. count on the line from `start` to `end`, joined by `count` cells of `region`. Node numbers begin at 1.
-inline Mesh line_mesh(const Eigen::Vector3d& start, const Eigen::Vector3d& end, int count,
-                      const std::string& region = "line") {
-  Mesh mesh;
-  mesh.source = "line.msh";
-  for (int i = 0; i <= count; ++i) add_node(mesh, start + (end - start) * i / count);
-  for (Eigen::Index i = 0; i < count; ++i) add_cell(mesh, region, CellShape::line2, {i, i + 1});
-  return mesh;
-}
-
+Mesh line_mesh(const Eigen::Vector3d& start, const Eigen::Vector3d& end, int count, const std::string& region = "line");
 /// `nx` x `ny` quadrilaterals on the rectangle a x b in the x-y plane, first corner at the origin.
-inline Mesh plate_mesh(double a, double b, int nx, int ny, const std::string& region = "plate") {
-  Mesh mesh;
-  mesh.source = "plate.msh";
-  for (int j = 0; j <= ny; ++j)
-    for (int i = 0; i <= nx; ++i) add_node(mesh, {a * i / nx, b * j / ny, 0.0});
-  for (Eigen::Index j = 0; j < ny; ++j)
-    for (Eigen::Index i = 0; i < nx; ++i) {
-      const Eigen::Index first = j * (nx + 1) + i;
-      add_cell(mesh, region, CellShape::quadrilateral4, {first, first + 1, first + nx + 2, first + nx + 1});
-    }
-  return mesh;
-}
+Mesh plate_mesh(double a, double b, int nx, int ny, const std::string& region = "plate");
 
-inline BeamProperty beam_property(const BeamSection& section, const Eigen::Vector3d& offset = Eigen::Vector3d::Zero(),
-                                  const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ()) {
-  BeamProperty property;
-  property.material = "steel";
-  property.section = section;
-  property.placements = {{up, offset.replicate<1, 2>(), {}}};
-  return property;
-}
-
-inline FiniteElementModel model_of(Mesh mesh) {
-  FiniteElementModel model;
-  model.name = "model";
-  model.mesh = std::move(mesh);
-  model.materials["steel"] = steel;
-  return model;
-}
-
+BeamProperty beam_property(const BeamSection& section, const Eigen::Vector3d& offset = Eigen::Vector3d::Zero(),
+                           const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ());
+FiniteElementModel model_of(Mesh mesh);
 /// Beams of one section along a line from the origin.
-inline FiniteElementModel beam_model(const Eigen::Vector3d& end, int count, const BeamSection& section) {
-  auto model = model_of(line_mesh({0.0, 0.0, 0.0}, end, count));
-  model.properties["line"] = beam_property(section);
-  return model;
-}
+FiniteElementModel beam_model(const Eigen::Vector3d& end, int count, const BeamSection& section);
 
-inline Eigen::MatrixXd stiffness_of(const AssembledModel& model) {
-  return Eigen::MatrixXd(evaluate(model.stiffness, model.parameters));
-}
-inline Eigen::MatrixXd mass_of(const AssembledModel& model) {
-  return Eigen::MatrixXd(evaluate(model.mass, model.parameters));
-}
-
+Eigen::MatrixXd stiffness_of(const AssembledModel& model);
+Eigen::MatrixXd mass_of(const AssembledModel& model);
 /// Lowest natural frequencies [Hz], ascending.
-inline Eigen::VectorXd frequencies(const FiniteElementModel& model, Eigen::Index count) {
-  const auto assembled = assemble(model);
-  const auto modes = lowest_modes(evaluate(assembled.stiffness, assembled.parameters),
-                                  evaluate(assembled.mass, assembled.parameters), {.count = count});
-  return modes.values.cwiseMax(0.0).cwiseSqrt() / (2.0 * std::numbers::pi);
-}
+Eigen::VectorXd frequencies(const FiniteElementModel& model, Eigen::Index count);
 
 /// Relative difference in the Frobenius norm.
-inline double difference(const Eigen::MatrixXd& one, const Eigen::MatrixXd& other) {
-  return (one - other).norm() / other.norm();
-}
+double difference(const Eigen::MatrixXd& one, const Eigen::MatrixXd& other);
 
 }  // namespace kalfem::test

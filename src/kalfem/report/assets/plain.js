@@ -1,0 +1,7 @@
+// The page's script in a build without the parts from npm: says in place of each chart why it is not drawn.
+for (const figure of document.querySelectorAll("[data-chart], [data-scene]")) {
+  const note = document.createElement("p");
+  note.className = "note";
+  note.textContent = "Not drawn: this kalfem was built without the page's parts (KALFEM_PAGE_PARTS=OFF). The numbers are in results.h5.";
+  (figure.querySelector(".plot, .structure") ?? figure).append(note);
+}
