@@ -9,14 +9,15 @@
 namespace kalfem::command {
 
 // A file that cannot be read does not hide what the others hold.
-ExitCode inspect(const std::vector<std::string>& files, bool as_json, const std::string& page_file) {
+ExitCode inspect(const InspectArguments& arguments) {
+  const auto& [files, as_json, large, page_file] = arguments;
   if (!page_file.empty()) require_writable(page_file);
   std::vector<Inspection> inspections;
   ExitCode code = done;
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
   for (const auto& file : files) {
     try {
-      auto inspection = kalfem::inspect(file, read_measured_file(file));
+      auto inspection = kalfem::inspect(file, read_measured_file(file, {.large = large}));
       if (as_json)
         all.push_back(inspection_json(inspection));
       else

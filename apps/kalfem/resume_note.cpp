@@ -1,10 +1,10 @@
 #include "resume_note.hpp"
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/hash.hpp"
+#include "kalfem/base/regular_file.hpp"
 #include "kalfem/base/version.hpp"
 
 namespace kalfem::command {
@@ -53,8 +53,7 @@ NotedRun read_resume_note(const fs::path& folder) {
   if (std::error_code error; !fs::is_regular_file(file, error))
     fail(folder, "it holds no interrupted run", std::string(ResumeNote::file_name) + " is missing",
          "give the folder of the results of a run that was stopped or killed, or run the case");
-  std::ifstream stream(file);
-  const Json note = Json::parse(stream, nullptr, false);
+  const Json note = Json::parse(read_bytes(file), nullptr, false);
   try {
     if (note.at("kalfem") != version)
       fail(file, "the run was started by kalfem " + note.at("kalfem").dump(), "this is kalfem " + std::string(version),

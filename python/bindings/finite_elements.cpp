@@ -1,8 +1,10 @@
+#include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/deck.hpp"
 #include "kalfem/formats/vtu.hpp"
+#include "kalfem/model/statics/geometric_stiffness.hpp"
 #include "kalfem/model/unit_system.hpp"
 #include "sensors.hpp"
 
@@ -51,12 +53,17 @@ void name_node(FiniteElements& elements, const std::string& name, const py::hand
 
 /// What reading a deck gives: the substructure, and the notes of the reader.
 FiniteElements read(const std::filesystem::path& file, const std::string& units, const py::object& name,
-                    const py::dict& nodes, const std::vector<std::string>& accept) {
-  Deck deck = read_deck(file);
+                    const py::dict& nodes, const std::vector<std::string>& accept,
+                    std::optional<std::int64_t> subcase) {
+  Deck deck = read_deck(file, {.subcase = subcase});
   IssueList issues;
   accept_missing(deck.notes, accept, issues);
   issues.raise();
   to_si(deck.model, units_of(units));
+  if (deck.preload) {
+    to_si(*deck.preload, units_of(units));
+    deck.model.matrices.push_back(preload_matrices(deck.model, *deck.preload));
+  }
   const std::string stem = file.stem().string();
   FiniteElements elements(name.is_none() ? stem : name.cast<std::string>(), deck.model);
   for (const auto& [set, members] : deck.model.mesh.node_sets)
@@ -235,7 +242,7 @@ fields : dict of str to array, shape (components, nodes)
       });
   module.def("read_deck", &read, py::arg("file"), py::kw_only(), py::arg("units") = "m kg s",
              py::arg("name") = py::none(), py::arg("nodes") = py::dict(),
-             py::arg("accept") = std::vector<std::string>{},
+             py::arg("accept") = std::vector<std::string>{}, py::arg("subcase") = py::none(),
              R"(Read a finite-element model of Nastran (.bdf) or of Abaqus and CalculiX (.inp).
 
 Parameters
@@ -249,6 +256,9 @@ nodes : dict of str to int or (x, y, z)
     Names of nodes, by their number or the nearest place [m]. Node sets of one node give it their name.
 accept : list of str
     What the deck holds, and the model may lack: ``"*FRICTION"``.
+subcase : int, optional
+    SUBCASE of a Nastran deck whose structure is meant. A preload that the deck states (STATSUB, a static step before a
+    perturbation) is part of the stiffness, as the matrices "preload".
 )");
   module.def("deck_notes", &notes_of, py::arg("file"),
              "What a deck holds and the model does not use: tuples of kind, what, consequence, count and place.");

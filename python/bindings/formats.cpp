@@ -92,10 +92,10 @@ py::list entries_of(Parts& parts) {
   return all;
 }
 
-py::dict read_file(const std::string& path) {
+py::dict read_file(const std::string& path, bool large) {
   MeasuredFile file = [&] {
     const py::gil_scoped_release released;
-    return read_measured_file(path);
+    return read_measured_file(path, {.large = large});
   }();
   py::dict content;
   content["format"] = file.format;
@@ -112,7 +112,8 @@ py::dict read_file(const std::string& path) {
 }  // namespace
 
 void bind_formats(py::module_& module) {
-  module.def("read", &read_file, py::arg("file"), "Everything that a measured file holds: see kalfem.read.");
+  module.def("read", &read_file, py::arg("file"), py::arg("large") = false,
+             "Everything that a measured file holds: see kalfem.read.");
   module.def(
       "unit_factor",
       [](const std::string& unit, const std::string& expected) { return parse_unit_as(unit, expected).factor; },

@@ -15,7 +15,7 @@ class StoppableSweep {
 public:
   explicit StoppableSweep(SweepPlan plan) : sweep_(std::move(plan)) {}
 
-  [[nodiscard]] const Sweep& get() const { return sweep_; }
+  [[nodiscard]] const CaseSweep& get() const { return sweep_; }
   void stop() { stopped_ = true; }
 
   /// The line of a run, which takes one core: others are made beside it.
@@ -35,7 +35,7 @@ public:
   }
 
 private:
-  Sweep sweep_;
+  CaseSweep sweep_;
   std::atomic<bool> stopped_ = false;
 };
 

@@ -28,6 +28,7 @@ def map(
     executor: Executor | None = None,
     folder: str | Path | None = None,
     progress: bool | Callable[[float, str], None] = True,
+    trust: bool = False,
 ) -> Ensemble:
     """Run a case, or call a function, at every point of a grid.
 
@@ -44,9 +45,13 @@ def map(
         default threads, one per processor. Processes need functions that can be imported.
     folder : path, optional
         Keeps each outcome as soon as it arrives, by the content of case and settings: an ensemble that was killed
-        continues, one that grows computes what is new. Failures are not kept.
+        continues, one that grows computes what is new. Failures are not kept. Runs, and values of numbers, text,
+        arrays, lists, tuples and dictionaries, are kept as JSON or npz.
     progress : bool or callable
         Show a bar, see :func:`kalfem.progress.reporter`.
+    trust : bool, optional
+        Keep other values in the folder too, as pickles. Reading a pickle runs code of whoever wrote it: pass True only
+        if nobody else can write into the folder.
 
     Returns
     -------
@@ -62,7 +67,7 @@ def map(
     [2, 4, 6]
     """
     task, settings = make_task(case_or_function), points(grid)
-    store = OutcomeStore(folder, task) if folder is not None else None
+    store = OutcomeStore(folder, task, trust) if folder is not None else None
     kept = [store.load(point) if store else None for point in settings]
     outcomes = [each[0] if each else None for each in kept]
     open_points = [i for i, each in enumerate(kept) if each is None]

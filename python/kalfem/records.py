@@ -142,13 +142,16 @@ def _with_own_names(channels):
     return named
 
 
-def read(file: str | Path) -> MeasuredFile:
+def read(file: str | Path, large: bool = False) -> MeasuredFile:
     """Read a measured file, whatever its format, without a case.
 
     Parameters
     ----------
     file : path
         Universal file, TDMS, LabVIEW text, MATLAB, WAV, HDF5, or a table of text. The content decides.
+    large : bool, optional
+        Read also parts of compressed files (HDF5, MATLAB) that unpack to more than 64 MiB and 8 times the file's size.
+        Otherwise they are listed in ``skipped``.
 
     Returns
     -------
@@ -161,4 +164,4 @@ def read(file: str | Path) -> MeasuredFile:
     InvalidInput
         Where the file cannot be read, by its line or place.
     """
-    return MeasuredFile(core.read(os.fspath(file)))
+    return MeasuredFile(core.read(os.fspath(file), large))

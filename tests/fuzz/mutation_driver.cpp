@@ -12,6 +12,9 @@
 #include <string>
 #include <vector>
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace {
@@ -83,9 +86,30 @@ private:
   std::mt19937 random_{1};
 };
 
+/// An input that takes longer than this hangs: SIGALRM ends the program.
+constexpr unsigned longest_time = 20;  // [s]
+
 void run(const std::string& text) {
+  alarm(longest_time);
   LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+  alarm(0);
 }
+
+/// Most that the program held at a time.
+std::size_t peak_bytes() {
+  rusage used{};
+  getrusage(RUSAGE_SELF, &used);
+  return static_cast<std::size_t>(used.ru_maxrss) * 1024;
+}
+
+// No reader may take more than 200 MB and ten times the file. Sanitizers keep what was freed.
+#if defined(__SANITIZE_ADDRESS__)
+constexpr bool memory_counts = false;
+#elif defined(__has_feature)
+constexpr bool memory_counts = !__has_feature(address_sanitizer);
+#else
+constexpr bool memory_counts = true;
+#endif
 
 }  // namespace
 
@@ -93,7 +117,15 @@ int main(int argc, char** argv) {
   if (argc != 3) return std::fprintf(stderr, "give a folder of seeds and a number of inputs\n"), 2;
   const auto seeds = read_seeds(argv[1]);
   if (seeds.empty()) return std::fprintf(stderr, "there are no seeds in %s\n", argv[1]), 2;
-  for (const auto& seed : seeds) run(seed);
+  std::size_t largest = 0;
+  const auto run_one = [&](const std::string& text) {
+    run(text);
+    largest = std::max(largest, text.size());
+  };
+  for (const auto& seed : seeds) run_one(seed);
   Mutator mutator(seeds);
-  for (int left = std::atoi(argv[2]); left > 0; --left) run(mutator.next());
+  for (int left = std::atoi(argv[2]); left > 0; --left) run_one(mutator.next());
+  const std::size_t peak = peak_bytes(), most = 200'000'000 + 10 * largest;
+  if (memory_counts && peak > most)
+    return std::fprintf(stderr, "%zu bytes were held, at most %zu are allowed\n", peak, most), 1;
 }

@@ -3,6 +3,7 @@
 import os
 import time
 
+import numpy as np
 from conftest import small_results
 from kalfem.results import Run
 
@@ -45,3 +46,19 @@ def logged(settings):
     with open(settings["log"], "a") as log:
         log.write("called\n")
     return settings["x"]
+
+
+def mixed(settings):
+    """A value of every kind that is kept without a pickle."""
+    x = settings["x"]
+    return {
+        "square": x**2,
+        "pair": (x, [None, True, "text", float("inf")]),
+        "at": complex(1, x),
+        "modes": np.arange(6.0).reshape(2, 3) * (1 + 2j),
+        "scalar": np.float32(x),
+    }
+
+
+def as_set(settings):
+    return {settings["x"]}

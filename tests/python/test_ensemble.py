@@ -1,5 +1,6 @@
 """kf.map over threads, processes, Dask and MPI: order, failures, resumption."""
 
+import os
 import pickle
 import subprocess
 import sys
@@ -9,7 +10,7 @@ from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from ensemble_functions import dies, fails_at_three, logged, raises_stubbornly, small_run, square
+from ensemble_functions import as_set, dies, fails_at_three, logged, mixed, raises_stubbornly, small_run, square
 from kalfem import ensemble
 from kalfem.ensemble import Failure
 from kalfem.errors import InvalidInput
@@ -109,7 +110,7 @@ def test_a_folder_continues_where_it_stopped(tmp_path):
     assert list(quiet_map(logged, grid, folder=folder)) == [1, 2]
     assert list(quiet_map(logged, {**grid, "x": [1, 2, 3]}, folder=folder)) == [1, 2, 3]
     assert len(log.read_text().splitlines()) == 3
-    for file in folder.glob("*.pickle"):
+    for file in folder.glob("*.json"):
         file.write_bytes(b"damaged")
     assert list(quiet_map(logged, grid, folder=folder)) == [1, 2]
     assert len(log.read_text().splitlines()) == 5
@@ -118,7 +119,7 @@ def test_a_folder_continues_where_it_stopped(tmp_path):
 
 def test_failures_are_tried_again(tmp_path):
     assert len(quiet_map(fails_at_three, {"x": [2, 3]}, folder=tmp_path).failures) == 1
-    assert len(list(tmp_path.glob("*.pickle"))) == 1
+    assert len(list(tmp_path.glob("*.json"))) == 1
 
 
 def test_runs_are_kept_as_text(tmp_path):
@@ -126,6 +127,82 @@ def test_runs_are_kept_as_text(tmp_path):
     (run,) = quiet_map(small_run, {"k": [1.0]}, folder=tmp_path)
     assert run.parameters["mount.k"].value == 1.0
     assert '"settings": {"k": 1.0}' in next(tmp_path.glob("*.json")).read_text()
+
+
+@pytest.mark.parametrize("ending", [".json", ".npz"])
+def test_damaged_files_count_as_absent(tmp_path, ending):
+    for content in [b"", b"[]", b"7", b'{"value": {"array": 3}}', b'{"value": {"no": 1, "two": 2}}', b"PK\x03\x04"]:
+        quiet_map(mixed, [{"x": 2}], folder=tmp_path)
+        for file in [*tmp_path.glob("*.json"), *tmp_path.glob("*.npz")]:
+            file.unlink()
+            file.with_suffix(ending).write_bytes(content)
+        assert quiet_map(mixed, [{"x": 2}], folder=tmp_path)[0]["square"] == 4
+        for file in tmp_path.iterdir():
+            file.unlink()
+
+
+def test_values_come_back_as_they_were(tmp_path):
+    (first,) = quiet_map(mixed, [{"x": 3}], folder=tmp_path)
+    (again,) = quiet_map(mixed, [{"x": 3}], folder=tmp_path)
+    assert [file.suffix for file in tmp_path.iterdir()] == [".npz"] and again is not first
+    np.testing.assert_array_equal(again.pop("modes"), first.pop("modes"))
+    assert again == first and type(again["pair"]) is tuple and type(again["scalar"]) is np.float32
+    assert again["at"] == 1 + 3j
+
+
+class Malicious:
+    """A pickle of it makes a file when it is read."""
+
+    def __init__(self, made):
+        self.made = made
+
+    def __reduce__(self):
+        return open, (str(self.made), "w")
+
+
+@pytest.mark.parametrize("trust", [False, True])
+def test_a_pickle_in_the_folder_is_read_only_with_trust(tmp_path, trust):
+    folder, made = tmp_path / "kept", tmp_path / "made"
+    quiet_map(square, [{"x": 2}], folder=folder)
+    (kept,) = folder.iterdir()
+    kept.unlink()
+    kept.with_suffix(".pickle").write_bytes(pickle.dumps(Malicious(made)))
+    if trust:
+        quiet_map(square, [{"x": 2}], folder=folder, trust=True)
+    else:
+        with pytest.raises(InvalidInput, match="is a pickle: reading a pickle runs code .*; pass trust=True"):
+            quiet_map(square, [{"x": 2}], folder=folder)
+    assert made.exists() == trust
+
+
+def test_a_pickle_beside_a_case_is_not_read(tmp_path, monkeypatch):
+    case, folder, made = tmp_path / "case.yaml", tmp_path / "kept", tmp_path / "made"
+    case.write_text("kalfem: 1")
+    monkeypatch.setattr(CaseTask, "__call__", lambda self, settings, progress=False: small_run({"k": 1.0}))
+    quiet_map(case, [{}], folder=folder)
+    (kept,) = folder.iterdir()
+    assert kept.suffix == ".json"
+    kept.unlink()
+    kept.with_suffix(".pickle").write_bytes(pickle.dumps(Malicious(made)))
+    with pytest.raises(InvalidInput, match="is a pickle"):
+        quiet_map(case, [{}], folder=folder)
+    assert not made.exists()
+
+
+def test_values_that_need_a_pickle_ask_for_trust(tmp_path):
+    with pytest.raises(InvalidInput, match="of type set, which the folder cannot keep.*pass trust=True"):
+        quiet_map(as_set, [{"x": 2}], folder=tmp_path)
+    assert quiet_map(as_set, [{"x": 2}], folder=tmp_path, trust=True)[0] == {2}
+    assert len(list(tmp_path.glob("*.pickle"))) == 1
+    assert quiet_map(as_set, [{"x": 2}], folder=tmp_path, trust=True)[0] == {2}
+
+
+def test_a_pipe_in_the_folder_counts_as_absent(tmp_path):
+    quiet_map(square, [{"x": 2}], folder=tmp_path)
+    (kept,) = tmp_path.iterdir()
+    kept.unlink()
+    os.mkfifo(kept)
+    assert list(quiet_map(square, [{"x": 2}], folder=tmp_path)) == [4]
 
 
 def test_settings_that_cannot_be_stored_are_refused(tmp_path):

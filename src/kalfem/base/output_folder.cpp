@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <fstream>
 #include <iterator>
 #include <string>
 #include <system_error>
@@ -15,6 +14,7 @@
 #include <unistd.h>
 
 #include "kalfem/base/atomic_file.hpp"
+#include "kalfem/base/regular_file.hpp"
 
 namespace kalfem {
 namespace {
@@ -31,9 +31,8 @@ std::string this_process() {
 }
 
 [[noreturn]] void refuse(const fs::path& folder, const fs::path& lock) {
-  std::string holder;
-  std::ifstream stream(lock);
-  std::getline(stream, holder);
+  std::string holder = bytes_if_readable(lock);
+  holder.resize(std::min(holder.find('\n'), holder.size()));
   throw InvalidInput(
       "another run is writing into '" + folder.string() + "'" + (holder.empty() ? "" : " (process " + holder + ")"),
       "two runs would mix their results", "wait until it has ended, or choose another folder with --out");

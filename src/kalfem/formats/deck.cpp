@@ -22,28 +22,6 @@ std::string plain_name(const std::string& name) {
 
 }  // namespace
 
-const char* to_string(DeckNoteKind kind) {
-  switch (kind) {
-    case DeckNoteKind::missing:
-      return "error";
-    case DeckNoteKind::doubtful:
-      return "warning";
-    case DeckNoteKind::unused:
-      break;
-  }
-  return "not used";
-}
-
-// The same note for many cards is kept once with a count, so that a long deck gives a short list.
-void DeckNotes::add(const SourceLocation& where, const std::string& what, const std::string& consequence,
-                    DeckNoteKind kind) {
-  const auto [place, is_new] = index_.try_emplace(what + '\n' + consequence, notes_.size());
-  if (is_new)
-    notes_.push_back({where, what, consequence, 1, kind});
-  else
-    ++notes_[place->second].count;
-}
-
 std::vector<std::string> accept_missing(std::vector<DeckNote>& notes, const std::vector<std::string>& accepted,
                                         IssueList& issues) {
   std::set<std::string> met;
@@ -55,9 +33,8 @@ std::vector<std::string> accept_missing(std::vector<DeckNote>& notes, const std:
       note.kind = DeckNoteKind::doubtful;
       continue;
     }
-    issues.add(note.where,
-               note.what + (note.count > 1 ? " (" + std::to_string(note.count) + " times)" : "") + " is missing",
-               note.consequence, "correct the deck, or accept this in the case: accept_missing: [" + note.what + "]");
+    issues.add(note.where, note_subject(note) + " is missing", note.consequence,
+               "correct the deck, or accept this in the case: accept_missing: [" + note.what + "]");
   }
   std::vector<std::string> idle;
   std::ranges::copy_if(accepted, std::back_inserter(idle),
@@ -79,6 +56,9 @@ bool is_deck(const std::filesystem::path& file) {
 Deck read_deck(const std::filesystem::path& file, const DeckOptions& options) {
   const bool is_inp = ending_of(file) == ".inp";
   const bool is_abaqus = options.format == DeckFormat::abaqus || (options.format == DeckFormat::automatic && is_inp);
+  if (is_abaqus && options.subcase)
+    throw InvalidInput("SUBCASE " + std::to_string(*options.subcase) + " of " + file.string(),
+                       "decks of Abaqus and CalculiX have steps, not subcases", "remove `subcase`");
   return is_abaqus ? read_abaqus(file, options) : read_nastran(file, options);
 }
 

@@ -1,54 +1,26 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <unordered_map>
-#include <utility>
 #include <vector>
 
+#include "kalfem/formats/ledger.hpp"
 #include "kalfem/model/finite_element_model.hpp"
 #include "kalfem/model/statics/load_case.hpp"
 
 namespace kalfem {
-
-/// How much a note matters for the model.
-enum class DeckNoteKind {
-  unused,    ///< loads, output, other analyses: the model is complete without it
-  doubtful,  ///< the model may be another one than the deck means
-  missing    ///< stiffness, mass or a connection that the model lacks: refused unless the user accepts it
-};
-
-/// "error", "warning" or "not used", as a person reads it.
-const char* to_string(DeckNoteKind kind);
-
-/// Something that a deck holds and the reader does not use as it stands, with what that means for the result.
-struct DeckNote {
-  SourceLocation where;  ///< its first place
-  std::string what;      ///< "*FRICTION", "PLOAD4", "field 12 of CQUAD4"
-  std::string consequence;
-  std::size_t count = 1;  ///< how often it stands in the deck
-  DeckNoteKind kind = DeckNoteKind::unused;
-};
 
 /// A model out of another code's input file, in the file's own units, with what was left out of it.
 struct Deck {
   FiniteElementModel model;
   std::vector<DeckNote> notes;            ///< in the order of their first places
   std::vector<LoadCase> load_cases = {};  ///< if they are asked for, see DeckOptions
-};
-
-/// Notes by kind: the first place is kept, further ones are counted.
-class DeckNotes {
-public:
-  void add(const SourceLocation& where, const std::string& what, const std::string& consequence,
-           DeckNoteKind kind = DeckNoteKind::unused);
-  [[nodiscard]] std::vector<DeckNote> take() { return std::move(notes_); }
-
-private:
-  std::vector<DeckNote> notes_;
-  std::unordered_map<std::string, std::size_t> index_;  ///< by what and consequence
+  std::optional<LoadCase> preload = {};   ///< whose stresses the structure carries in the deck's own modes
+  bool is_static_analysis = false;        ///< it asks for statics alone, which need no mass
+  std::vector<LedgerEntry> ledger = {};   ///< if it is asked for
 };
 
 /// Notes of the kind `missing` that are not accepted become issues; accepted ones stay, as doubtful notes. Names are
@@ -65,7 +37,10 @@ struct DeckOptions {
   DeckFormat format = DeckFormat::automatic;  ///< a name that ends in .inp is of Abaqus or CalculiX, others of Nastran
   std::optional<double> temperature = {};     ///< at which materials are taken, in the deck's unit; empty: the deck's
                                               ///< initial temperature
+  std::optional<std::int64_t> subcase = {};   ///< SUBCASE of Nastran whose structure is meant; empty: the first one
+                                              ///< with METHOD, or the first one
   bool load_cases = false;                    ///< read the static load cases too
+  bool ledger = false;                        ///< keep what became of every field
 };
 
 /// Reads another code's input file, see abaqus.hpp and nastran.hpp.

@@ -14,7 +14,7 @@ FrequencyResponse read_frequency_responses(const std::filesystem::path& file, co
                              "the file says itself whether its values are complex",
                              "it is a " + std::string(format->name),
                              "remove `values`"});
-  return select_frequency_responses(format->read(file), options.outputs, file);
+  return select_frequency_responses(format->read(file, {.channels = options.outputs}), options.outputs, file);
 }
 
 }  // namespace kalfem

@@ -9,7 +9,7 @@ namespace kalfem {
 /// larger than the memory can be read from front to back.
 class MappedFile {
 public:
-  /// Throws InvalidInput where the file cannot be read.
+  /// Throws InvalidInput where the file cannot be read, as RegularFile does.
   explicit MappedFile(const std::filesystem::path& path);
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;

@@ -24,10 +24,11 @@ struct MatrixDof {
 
 /// A matrix that another code wrote.
 struct ForeignMatrix {
-  std::string name;             ///< as in the file, or the name of the file
-  SparseMatrix matrix;          ///< rows x columns; both triangles where it is symmetric
-  std::vector<MatrixDof> dofs;  ///< of its rows; empty: the file does not say
-  bool symmetric = false;       ///< the file says so; both triangles are filled in any case
+  std::string name;                     ///< as in the file, or the name of the file
+  SparseMatrix matrix;                  ///< rows x columns; both triangles where it is symmetric
+  std::vector<MatrixDof> dofs;          ///< of its rows; empty: the file does not say
+  bool symmetric = false;               ///< the file says so; both triangles are filled in any case
+  std::vector<std::string> notes = {};  ///< what the file holds and is not used; at its first matrix
 };
 
 /// How matrices are written down.

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <fstream>
 #include <map>
+#include <new>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/regular_file.hpp"
 #include "kalfem/base/text.hpp"
 #include "kalfem/formats/hdf5/measured_hdf5.hpp"
 #include "kalfem/formats/matlab/matlab_file.hpp"
@@ -81,17 +82,6 @@ void refuse_foreign(const std::filesystem::path& file, std::string_view head) {
 /// A first line with zero bytes is none of a text.
 bool is_binary(std::string_view head) { return head.substr(0, head.find('\n')).find('\0') != std::string_view::npos; }
 
-std::string read_head(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(file))
-    throw InvalidInput(
-        Issue{{file.string(), 0}, "the file cannot be read", "it does not exist or is not readable", "check the path"});
-  std::string head(head_length, '\0');
-  stream.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(stream.gcount()));
-  return head;
-}
-
 /// Without a mark of UTF-8, and in UTF-8 where it is in UTF-16.
 std::string as_text(std::string head) {
   if (head.starts_with("\xEF\xBB\xBF")) head.erase(0, 3);
@@ -101,12 +91,22 @@ std::string as_text(std::string head) {
 
 }  // namespace
 
+namespace {
+
+/// Readers of formats that are not compressed read all.
+template <MeasuredFile (*read)(const std::filesystem::path&)>
+MeasuredFile whole(const std::filesystem::path& file, const MeasuredFileOptions&) {
+  return read(file);
+}
+
+}  // namespace
+
 const std::vector<MeasuredFormat>& measured_formats() {
   static const std::vector<MeasuredFormat> formats = {
-      {"universal file", {".unv", ".uff", ".uf", ".uf58", ".58", ".bunv"}, begins_universal, read_universal},
-      {"LabVIEW measurement file", {".lvm"}, begins_lvm, read_lvm},
-      {"TDMS file", {".tdms"}, begins_tdms, read_tdms},
-      {"WAV file", {".wav", ".w64"}, begins_wav, read_wav},
+      {"universal file", {".unv", ".uff", ".uf", ".uf58", ".58", ".bunv"}, begins_universal, whole<read_universal>},
+      {"LabVIEW measurement file", {".lvm"}, begins_lvm, whole<read_lvm>},
+      {"TDMS file", {".tdms"}, begins_tdms, whole<read_tdms>},
+      {"WAV file", {".wav", ".w64"}, begins_wav, whole<read_wav>},
       {"MATLAB file", {".mat"}, begins_matlab, read_matlab_file},
   };
   return formats;
@@ -115,7 +115,7 @@ const std::vector<MeasuredFormat>& measured_formats() {
 // Content decides, because files are renamed; a file without the usual beginning still says by its ending what it was
 // meant to be, and then its reader names what is wrong.
 const MeasuredFormat* measured_format(const std::filesystem::path& file) {
-  const std::string head = as_text(read_head(file)), ending = lower_case(file.extension().string());
+  const std::string head = as_text(read_bytes(file, head_length)), ending = lower_case(file.extension().string());
   for (const auto& format : measured_formats())
     if (format.begins != nullptr && format.begins(head)) return &format;
   refuse_foreign(file, head);
@@ -126,11 +126,11 @@ const MeasuredFormat* measured_format(const std::filesystem::path& file) {
 
 namespace {
 
-MeasuredFile read_by_format(const std::filesystem::path& file) {
-  if (const MeasuredFormat* format = measured_format(file)) return format->read(file);
+MeasuredFile read_by_format(const std::filesystem::path& file, const MeasuredFileOptions& options) {
+  if (const MeasuredFormat* format = measured_format(file)) return format->read(file, options);
   const std::string ending = lower_case(file.extension().string());
-  const std::string head = as_text(read_head(file));
-  if (ending == ".h5" || ending == ".hdf5" || head.starts_with("\x89HDF")) return read_measured_hdf5(file);
+  const std::string head = as_text(read_bytes(file, head_length));
+  if (ending == ".h5" || ending == ".hdf5" || head.starts_with("\x89HDF")) return read_measured_hdf5(file, options);
   if (is_binary(head)) refuse(file, "the file is binary, of a kind that is not known");
   return read_measured_table(file);
 }
@@ -148,11 +148,16 @@ void make_unique(std::vector<MeasuredChannel>& channels) {
 
 }  // namespace
 
-MeasuredFile read_measured_file(const std::filesystem::path& file) {
-  MeasuredFile measured = read_by_format(file);
+MeasuredFile read_measured_file(const std::filesystem::path& file, const MeasuredFileOptions& options) try {
+  MeasuredFile measured = read_by_format(file, options);
   for (auto& channel : measured.channels) channel.unit = understood_unit(channel.unit);
   make_unique(measured.channels);
   return measured;
+} catch (const std::bad_alloc&) {
+  throw InvalidInput(Issue{{file.string(), 0},
+                           "the file holds, or claims, more values than fit into memory",
+                           "it is damaged, or too large for the memory that is available (ulimit -v)",
+                           "export it again, or a part of it"});
 }
 
 }  // namespace kalfem

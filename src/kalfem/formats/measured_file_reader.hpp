@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "kalfem/formats/unpacked_size.hpp"
 #include "kalfem/records/measured_file.hpp"
 
 namespace kalfem {
@@ -15,7 +16,7 @@ struct MeasuredFormat {
   std::vector<std::string_view> endings;  ///< of its files, in small letters with the point
   bool (*begins)(std::string_view head);  ///< whether a file that begins with these bytes is one; null: only the ending
                                           ///< tells it
-  MeasuredFile (*read)(const std::filesystem::path& file);
+  MeasuredFile (*read)(const std::filesystem::path& file, const MeasuredFileOptions& options);
 };
 
 /// The formats that are recognised, in the order in which they are tried. A new reader is one entry of this list.
@@ -26,8 +27,10 @@ const std::vector<MeasuredFormat>& measured_formats();
 /// (.xlsx, .png, .pdf, ...); the message lists the formats that are read.
 const MeasuredFormat* measured_format(const std::filesystem::path& file);
 
-/// Everything that the file holds, in the file's units; tables of text as well. Throws InvalidInput as the format's
-/// reader does and as measured_format() does.
-MeasuredFile read_measured_file(const std::filesystem::path& file);
+/// Everything that the file holds, in the file's units; tables of text as well. Of compressed files (HDF5, MATLAB)
+/// `options` say which channels are asked for: others that unpack to more than most_unpacked() are listed in `skipped`,
+/// and HDF5's may have no values. Throws InvalidInput as the format's reader does, as measured_format() does, and where
+/// memory does not suffice.
+MeasuredFile read_measured_file(const std::filesystem::path& file, const MeasuredFileOptions& options = {});
 
 }  // namespace kalfem

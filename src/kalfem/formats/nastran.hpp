@@ -8,7 +8,8 @@
 
 namespace kalfem {
 
-/// Reads a Nastran bulk data deck [QRG], small, large and free field mixed, with its INCLUDEs, in its own units.
+/// Reads a Nastran bulk data deck [QRG], small, large and free field mixed, with images of cards and INCLUDEs, in its
+/// own units.
 ///
 /// File: executive and case control up to BEGIN BULK, or bulk data from the first line on; read to ENDDATA. The
 /// commands above all subcases and those of the first one count: SPC, MPC, K2GG, M2GG, B2GG. Without any case control
@@ -28,7 +29,9 @@ namespace kalfem {
 /// Components at a node (SPC, MPC, RBE, CELAS, DMIG, ...) act in its displacement system CD. Loads, solution requests
 /// and everything else that is not part of K, M and C is passed over or becomes a note of its class. Elements that are
 /// not read, other stiffness, mass and connections, and the missing ENDDATA of a deck with BEGIN BULK become notes of
-/// the kind `missing`, see accept_missing(); a card that is not known becomes a doubtful one.
+/// the kind `missing`, see accept_missing(); a card that is not known becomes a doubtful one. Every filled field of a
+/// card that is read is used, told by a note, or refused; what makes the model another one than the deck describes is a
+/// note of the kind `changed`, counted by element.
 ///
 /// Made of it: regions "pshell3", "pbeam1", "prod5", "psolid2" by card and number of the property ("pshell3.2" where
 /// offset or thickness of its elements differ); materials "mat7"; masses "conm2_12"; springs "celas4", "cbush5.k1";
@@ -36,8 +39,8 @@ namespace kalfem {
 /// are kept as one matrix. 8- and 6-node shells become linear ones.
 ///
 /// Throws InvalidInput with file and line for what cannot be understood or does not fit together: fields that are no
-/// numbers, missing nodes, systems, properties and materials, numbers given twice, unknown section types, replicated
-/// cards; the first 20 together.
+/// numbers, missing nodes, systems, properties and materials, numbers given twice, unknown section types; the first 20
+/// together.
 Deck read_nastran(const std::filesystem::path& file, const DeckOptions& options = {});
 
 /// Gives the content of an included file; throws InvalidInput where it cannot be read.

@@ -206,14 +206,17 @@ RawRecord read_hdf5(const std::string& path, const std::vector<WantedChannel>& w
                         "",
                         "the file has: " + all});
   }
-  Record record{.sample_rate = rate_of(file, dataset, options.sample_rate, path),
-                .values = file.read_columns_as_rows(dataset)};
-  const Index columns = record.values.rows();
-  for (const auto& unit : units_of(file, dataset, columns, path))
-    record.channels.push_back({std::to_string(record.channels.size()), unit});
-  std::vector<Index> rows;
-  for (const auto& each : wanted) rows.push_back(column_number(each.column, columns, path));
-  return {with_rows(std::move(record), rows), {path, 0}};
+  Record record{.sample_rate = rate_of(file, dataset, options.sample_rate, path)};
+  const auto shape = file.shape(dataset);
+  const Index columns = shape.size() == 2 ? shape[1] : 1;
+  const auto units = units_of(file, dataset, columns, path);
+  std::vector<Index> numbers;
+  for (const auto& each : wanted) {
+    numbers.push_back(column_number(each.column, columns, path));
+    record.channels.push_back({each.column, units[static_cast<std::size_t>(numbers.back())]});
+  }
+  record.values = file.read_columns(dataset, numbers);
+  return {std::move(record), {path, 0}};
 }
 
 RawRecord read_raw(const std::filesystem::path& file, const std::vector<WantedChannel>& wanted,
@@ -251,7 +254,7 @@ bool is_hdf5(const std::filesystem::path& file) { return file.extension() == ".h
 
 Record selected_from_all(const std::filesystem::path& file, const std::vector<WantedChannel>& wanted,
                          const RecordFileOptions& options) {
-  const MeasuredFile measured = read_measured_file(file);
+  const MeasuredFile measured = read_measured_file(file, {.channels = columns_of(wanted)});
   if (options.notes != nullptr)
     options.notes->insert(options.notes->end(), measured.notes.begin(), measured.notes.end());
   return select_record(measured, wanted, options, file);

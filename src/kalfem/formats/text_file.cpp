@@ -26,8 +26,9 @@ public:
   Inflater& operator=(const Inflater&) = delete;
   ~Inflater() { inflateEnd(&stream_); }
 
-  /// Appends what one member holds; returns the bytes that it took.
-  std::size_t append_member(std::string_view bytes, std::string& content, std::size_t most) {
+  /// Hands over what one member holds, piece by piece, until `take` wants no more; returns the bytes that it took.
+  template <class Take>
+  std::size_t read_member(std::string_view bytes, const Take& take) {
     inflateReset(&stream_);
     std::size_t given = 0;
     std::vector<char> buffer(piece);
@@ -47,9 +48,7 @@ public:
       if (state != Z_OK && state != Z_STREAM_END && state != Z_BUF_ERROR)
         refuse(source_,
                std::string("the compressed file is damaged: ") + (stream_.msg ? stream_.msg : "no reason given"));
-      content.append(buffer.data(), buffer.size() - stream_.avail_out);
-      if (content.size() > most)
-        refuse(source_, "the compressed file holds more than " + std::to_string(most) + " bytes");
+      if (!take(std::string_view(buffer.data(), buffer.size() - stream_.avail_out))) break;
     }
     return given - stream_.avail_in;
   }
@@ -59,16 +58,46 @@ private:
   z_stream stream_{};
 };
 
+/// All members; `take` as above.
+template <class Take>
+void read_members(std::string_view bytes, const std::string& source, const Take& take) {
+  Inflater inflater(source);
+  bool more = true;
+  do {
+    bytes.remove_prefix(inflater.read_member(bytes, [&](std::string_view part) { return more = take(part); }));
+  } while (more && is_gzip(bytes));
+}
+
 }  // namespace
 
 bool is_gzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
 
-std::string uncompressed(std::string_view bytes, const std::string& source, std::size_t most) {
-  Inflater inflater(source);
+std::size_t uncompressed_size(std::string_view bytes, const std::string& source, std::size_t most) {
+  std::size_t size = 0;
+  read_members(bytes, source, [&](std::string_view part) { return (size += part.size()) <= most; });
+  return size;
+}
+
+std::string uncompressed_head(std::string_view bytes, const std::string& source, std::size_t most) {
   std::string content;
-  do {
-    bytes.remove_prefix(inflater.append_member(bytes, content, most));
-  } while (is_gzip(bytes));
+  read_members(bytes, source, [&](std::string_view part) {
+    content.append(part.substr(0, most - content.size()));
+    return content.size() < most;
+  });
+  return content;
+}
+
+// The size is counted first, so that the content is allocated once.
+std::string uncompressed(std::string_view bytes, const std::string& source, std::size_t most) {
+  const std::size_t size = uncompressed_size(bytes, source, most);
+  if (size > most)
+    throw InvalidInput(Issue{{source, 0},
+                             "the compressed file unpacks to more than " + std::to_string(most >> 20) + " MiB",
+                             "it holds far more than its size says",
+                             "unpack it yourself (gunzip; MATLAB: save -v6) if that is meant"});
+  std::string content;
+  content.reserve(size);
+  read_members(bytes, source, [&](std::string_view part) { return content.append(part).size() <= most; });
   return content;
 }
 

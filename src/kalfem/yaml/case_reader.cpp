@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
@@ -18,6 +15,7 @@
 #include <yaml-cpp/parser.h>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/regular_file.hpp"
 #include "kalfem/base/text.hpp"
 
 namespace kalfem {
@@ -302,15 +300,10 @@ YamlNodePtr parse_yaml(const std::string& text, const std::string& name, const E
 }
 
 std::string read_text_file(const std::string& file) {
-  std::error_code error;
-  if (!std::filesystem::exists(file, error)) throw InvalidInput(Issue{{file, 0}, "no such file", "", "check the path"});
-  if (!std::filesystem::is_regular_file(file, error))
-    throw InvalidInput(Issue{{file, 0}, "not a file", "", "give a case file"});
-  if (std::filesystem::file_size(file, error) > largest_file)
+  std::string text = read_bytes(file, largest_file + 1);
+  if (text.size() > largest_file)
     throw InvalidInput(Issue{{file, 0}, "the file is too large for a case file", "", "keep data in separate files"});
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InvalidInput(Issue{{file, 0}, "the file cannot be read", "", "check its permissions"});
-  return {std::istreambuf_iterator<char>(stream), {}};
+  return text;
 }
 
 void raise_in_line_order(const IssueList& issues) {

@@ -1,5 +1,6 @@
 #include "kalfem/formats/gmsh/gmsh.hpp"
 
+#include <map>
 #include <set>
 
 #include "kalfem/formats/gmsh/gmsh_builder.hpp"
@@ -22,6 +23,7 @@ public:
                "a mesh needs nodes and elements", "export the mesh again, without parametric nodes in version 2.2");
     return mesh_.finish();
   }
+  [[nodiscard]] DeckNotes& notes() { return mesh_.notes(); }
 
 private:
   void skip_comments();
@@ -81,7 +83,21 @@ void GmshReader::check_byte_order() {
              "export it on a machine like this one, or as ASCII");
 }
 
-// Only five sections make a mesh; all others ($Periodic, $NodeData, ...) are passed over.
+/// What it means that a section is not used.
+std::string consequence_of(const std::string& section) {
+  static const std::map<std::string, std::string> known{
+      {"Periodic", "nodes of periodic entities are not coupled"},
+      {"NodeData", "results at nodes are not read"},
+      {"ElementData", "results at elements are not read"},
+      {"ElementNodeData", "results at elements are not read"},
+      {"InterpolationScheme", "results are not read"},
+      {"GhostElements", "copies of elements in other partitions; the elements themselves are read once"},
+      {"Parametrizations", "the geometry behind the mesh is not used"}};
+  const auto found = known.find(section);
+  return found == known.end() ? "the MSH format has no such section" : found->second;
+}
+
+// Only five sections make a mesh. All others are passed over and told, comments aside.
 void GmshReader::read_section() {
   const std::string_view line = next_line();
   const std::size_t start = line_start_;
@@ -90,7 +106,10 @@ void GmshReader::read_section() {
              "remove the text between the sections");
   const std::string name(line.substr(1));
   static const std::set<std::string> needed{"PhysicalNames", "Entities", "PartitionedEntities", "Nodes", "Elements"};
-  if (!needed.contains(name)) return in_.skip_section(name, start);
+  if (!needed.contains(name)) {
+    if (name != "Comments") mesh_.tell(start, "$" + printable(name), consequence_of(name));
+    return in_.skip_section(name, start);
+  }
   if (!seen_.insert(name).second)
     in_.fail(start, "there is more than one section $" + name, "a mesh may have only one", "export the mesh again");
   read_known_section(name, start);
@@ -132,10 +151,14 @@ void GmshReader::read_names() {
 
 }  // namespace
 
-Mesh read_gmsh(const std::filesystem::path& file) { return parse_gmsh(read_text(file), file.string()); }
+Mesh read_gmsh(const std::filesystem::path& file, std::vector<DeckNote>* notes) {
+  return parse_gmsh(read_content(file), file.string(), notes);
+}
 
-Mesh parse_gmsh(std::string content, const std::string& source) {
-  Mesh mesh = GmshReader(std::move(content), source).read();
+Mesh parse_gmsh(std::string content, const std::string& source, std::vector<DeckNote>* notes) {
+  GmshReader reader(std::move(content), source);
+  Mesh mesh = reader.read();
+  if (notes != nullptr) *notes = reader.notes().take();
   mesh.source = source;
   return mesh;
 }

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "kalfem/formats/ledger.hpp"
 #include "kalfem/model/mesh/mesh.hpp"
 
 namespace kalfem {
@@ -13,18 +14,21 @@ namespace kalfem {
 /// Physical groups become regions (their cells) and node sets (the nodes of these cells, ascending), under their name
 /// or else "physical<number>"; groups of one name are joined. Cells of the mesh's highest dimension that no group holds
 /// make up the region "mesh"; lower cells without a group are boundaries of the geometry and stay without a region.
-/// Sections other than names, entities, nodes and elements are skipped.
+/// Sections other than names, entities, nodes and elements are not used, nor are partitions and parametric coordinates:
+/// `notes` tells those that the file has, groups without cells, and cells without a group that are no region. Extents
+/// and boundaries of entities repeat what the mesh says.
 ///
 /// Throws InvalidInput with the file's line (for binary files the byte) for everything that cannot be read: another
 /// format or version, a truncated file, unknown or doubled nodes, coordinates that are not finite, cells of a type
 /// without a CellShape. The format is described in the Gmsh reference manual, "MSH file format" [GR09].
-Mesh read_gmsh(const std::filesystem::path& file);
+Mesh read_gmsh(const std::filesystem::path& file, std::vector<DeckNote>* notes = nullptr);
 
 /// The same from a file's content; `source` names it in messages.
-Mesh parse_gmsh(std::string content, const std::string& source);
+Mesh parse_gmsh(std::string content, const std::string& source, std::vector<DeckNote>* notes = nullptr);
 
 struct TableMeshOptions {
-  std::optional<double> scale = {};  ///< of the coordinates to metres; only where their titles name no unit
+  std::optional<double> scale = {};        ///< of the coordinates to metres; only where their titles name no unit
+  std::vector<DeckNote>* notes = nullptr;  ///< where columns that are not read are added; null: nowhere
 };
 
 /// Reads a mesh of lines from two tables, as stick models are kept in spreadsheets:

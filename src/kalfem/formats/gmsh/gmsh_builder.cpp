@@ -147,6 +147,30 @@ void GmshBuilder::add_cells_without_group() {
   for (std::size_t i = 0; i < grouped.size(); ++i)
     if (!grouped[i] && dimension(mesh_.cells[i].shape) == highest) rest.cells.push_back(static_cast<Eigen::Index>(i));
   groups_.push_back(std::move(rest));
+  tell_what_no_group_holds(grouped, highest);
+}
+
+void GmshBuilder::tell(std::size_t position, const std::string& what, const std::string& consequence) {
+  notes_.add(in_.place(position), what, consequence, DeckNoteKind::unused);
+}
+
+void GmshBuilder::tell_what_no_group_holds(const std::vector<bool>& grouped, int highest) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < grouped.size(); ++i) count += !grouped[i] && dimension(mesh_.cells[i].shape) < highest;
+  if (count > 0)
+    tell(0, std::to_string(count) + " cells without a physical group",
+         "they are of lower dimension than the mesh and taken for the boundary of its geometry");
+}
+
+void GmshBuilder::tell_empty_groups() {
+  for (const auto& [key, name] : names_) {
+    const auto index = group_indices_.find(key);
+    if (index == group_indices_.end() || groups_[index->second].cells.empty())
+      tell(0,
+           "physical group '" + printable(name) + "' (dimension " + std::to_string(key.first) + ", number " +
+               std::to_string(key.second) + ")",
+           "no cell belongs to it: there is no region and no node set of this name");
+  }
 }
 
 // Groups of the same name, even of different dimension, become one region. Each region also makes a node set, both
@@ -175,6 +199,7 @@ void GmshBuilder::add_regions() {
 Mesh GmshBuilder::finish() {
   note_refused();
   in_.raise();
+  tell_empty_groups();
   add_cells_without_group();
   add_regions();
   return std::move(mesh_);

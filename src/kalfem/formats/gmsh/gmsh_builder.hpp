@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "kalfem/formats/gmsh/gmsh_scanner.hpp"
+#include "kalfem/formats/ledger.hpp"
 #include "kalfem/model/mesh/mesh.hpp"
 
 namespace kalfem {
@@ -71,6 +72,10 @@ public:
   void add_last_to(std::size_t group);
   [[nodiscard]] bool has_cells() const { return !mesh_.cells.empty(); }
 
+  /// Tells that what stands at a position of the file is not used.
+  void tell(std::size_t position, const std::string& what, const std::string& consequence);
+  [[nodiscard]] DeckNotes& notes() { return notes_; }
+
   /// Throws InvalidInput with everything noted.
   Mesh finish();
 
@@ -87,8 +92,11 @@ private:
   void add_cells_without_group();
   void add_regions();
   void note_refused();
+  void tell_what_no_group_holds(const std::vector<bool>& grouped, int highest);
+  void tell_empty_groups();
 
   GmshScanner& in_;
+  DeckNotes notes_;
   Mesh mesh_;
   std::vector<Eigen::Vector3d> places_;
   std::vector<std::size_t> node_starts_;

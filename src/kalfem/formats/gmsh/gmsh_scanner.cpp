@@ -161,6 +161,8 @@ int GmshScanner::line_of(std::size_t position) {
   return lines_;
 }
 
+SourceLocation GmshScanner::place(std::size_t position) { return {problems_.file(), binary_ ? 0 : line_of(position)}; }
+
 void GmshScanner::note(std::size_t position, const std::string& what, const std::string& why, const std::string& fix) {
   if (binary_)
     problems_.add(0, what + " (byte " + std::to_string(position) + ")", why, fix);

@@ -44,6 +44,9 @@ public:
   void end_section(std::string_view name);
   void skip_section(std::string_view name, std::size_t start);
 
+  /// A position of the file: its line, or only the file where it is binary.
+  [[nodiscard]] SourceLocation place(std::size_t position);
+
   /// Notes a problem at a position of the file and goes on.
   void note(std::size_t position, const std::string& what, const std::string& why = {}, const std::string& fix = {});
   /// Throws when a problem was noted.

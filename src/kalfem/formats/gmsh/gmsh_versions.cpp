@@ -2,6 +2,15 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
+
+namespace kalfem {
+namespace {
+
+constexpr const char* in_partitions = "the mesh is read as one, whatever process it was made for";
+
+}  // namespace
+}  // namespace kalfem
 
 namespace kalfem::gmsh2 {
 
@@ -47,6 +56,8 @@ public:
       if (i == 0) physical = tag;
       if (i == 1) entity = tag;
     }
+    if (kind.tags > 2 && !std::exchange(told_tags_, true))
+      mesh_.tell(start, "further tags of elements (partitions)", in_partitions);
     nodes_.clear();
     for (int i = 0; i < kind.type->nodes; ++i) nodes_.push_back(in_.int32("an element's node"));
     add(kind, id, physical, entity, start);
@@ -74,6 +85,7 @@ private:
   std::vector<std::size_t> groups_;
   const GmshType* last_type_ = nullptr;
   std::int64_t last_physical_ = 0, last_entity_ = 0;
+  bool told_tags_ = false;
 };
 
 void read_text_elements(GmshScanner& in, ElementReader& elements, std::int64_t count) {
@@ -158,6 +170,7 @@ void read_entity(GmshScanner& in, GmshBuilder& mesh, EntityGroups& groups, int d
   if (partitioned) {
     in.int32("the dimension of an entity's parent");
     in.int32("the number of an entity's parent");
+    mesh.tell(in.start(), "partitions of entities", in_partitions);
     skip_ints(in, "partitions of an entity");
   }
   for (int i = 0; i < (dimension == 0 ? 3 : 6); ++i) in.real("an entity's extent");
@@ -219,6 +232,8 @@ std::int64_t read_node_block(GmshScanner& in, GmshBuilder& mesh, std::int64_t le
             "export the mesh again");
   in.int32("an entity's number");
   const std::int64_t parameters = in.int32("whether nodes are parametric") != 0 ? dimension : 0;
+  if (parameters > 0)
+    mesh.tell(start, "parametric coordinates of nodes", "the nodes have their places; the geometry behind is not used");
   const std::int64_t count = read_block_count(in, "nodes", left);
   numbers.clear();
   for (std::int64_t i = 0; i < count; ++i) {
@@ -270,6 +285,8 @@ void read_entities(GmshScanner& in, GmshBuilder& mesh, EntityGroups& groups) {
 void read_partitioned_entities(GmshScanner& in, GmshBuilder& mesh, EntityGroups& groups) {
   in.int64("the number of partitions");
   const std::int64_t ghosts = read_count(in, "ghost entities", 2, 2 * int_bytes);
+  if (ghosts > 0)
+    mesh.tell(in.start(), "ghost entities", "copies of elements in other partitions; those are read once");
   for (std::int64_t i = 0; i < 2 * ghosts; ++i) in.int32("a ghost entity");
   read_all_entities(in, mesh, groups, true);
 }

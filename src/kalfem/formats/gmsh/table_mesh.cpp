@@ -97,6 +97,15 @@ public:
     return value && std::isfinite(*value) ? value : std::nullopt;
   }
 
+  /// Tells the columns that are not read.
+  void tell(const TableMeshOptions& options, const std::string& consequence) const {
+    if (options.notes == nullptr) return;
+    for (auto note : unused_) {
+      note.consequence = consequence;
+      options.notes->push_back(std::move(note));
+    }
+  }
+
   [[nodiscard]] const Column& column(std::size_t i) const { return columns_[i]; }
 
   FileProblems problems;
@@ -129,6 +138,8 @@ private:
       else
         unknown.push_back(title.name);
     }
+    for (const auto& name : unknown)
+      unused_.push_back({{problems.file(), lines_.front().number}, "column '" + name + "'", "", 1});
     for (const auto& column : columns_)
       if (!column.place)
         problems.add(
@@ -153,6 +164,7 @@ private:
   }
 
   std::vector<Column> columns_;
+  std::vector<DeckNote> unused_;
   std::string text_;
   std::vector<TextLine> lines_;
   char separator_ = ',';
@@ -197,6 +209,7 @@ void read_nodes(const std::filesystem::path& path, const TableMeshOptions& optio
     }
   });
   table.problems.raise();
+  table.tell(options, "of the nodes, number, x, y and z are used");
   mesh.nodes = Eigen::Map<const Eigen::Matrix3Xd>(places.data(), 3, static_cast<Eigen::Index>(mesh.node_ids.size()));
 }
 
@@ -212,9 +225,10 @@ public:
         mesh_(mesh),
         finder_(mesh) {}
 
-  void read() {
+  void read(const TableMeshOptions& options) {
     table_.for_each_row([&](int line, const std::vector<std::string_view>& cells) { add(line, cells); });
     table_.problems.raise();
+    table_.tell(options, "of the elements, number, two nodes and region are used");
   }
 
 private:
@@ -268,7 +282,7 @@ Mesh read_table_mesh(const std::filesystem::path& nodes, const std::filesystem::
   Mesh mesh;
   mesh.source = elements.string();
   read_nodes(nodes, options, mesh);
-  ElementReader(elements, mesh).read();
+  ElementReader(elements, mesh).read(options);
   return mesh;
 }
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <filesystem>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/regular_file.hpp"
 #include "kalfem/formats/hdf5/hdf5_handle.hpp"
 
 namespace kalfem {
@@ -51,10 +51,7 @@ Hdf5File Hdf5File::create(const std::string& path) {
 
 Hdf5File Hdf5File::open(const std::string& path) {
   silence_hdf5();
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) {
-    refuse_hdf5(path, "there is no such file", "an HDF5 file is required", "check the path");
-  }
+  require_regular_file(path);
   auto handle =
       std::make_unique<Handle>(Handle{path, Hdf5Id(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose), 0});
   handle->require(handle->file.valid(), "open this file as HDF5");
@@ -242,6 +239,10 @@ Eigen::VectorXd Hdf5File::read_column(const std::string& dataset, Eigen::Index c
 }
 
 bool Hdf5File::is_complete(const std::string& dataset) const { return hdf5_is_complete(handle().dataset(dataset)); }
+
+bool Hdf5File::lies_elsewhere(const std::string& dataset) const {
+  return hdf5_lies_elsewhere(handle().object(dataset));
+}
 
 std::vector<std::string> Hdf5File::members(const std::string& dataset) const {
   const Hdf5Id id = handle().dataset(dataset), type(H5Dget_type(id), H5Tclose);

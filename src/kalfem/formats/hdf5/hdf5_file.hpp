@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -71,6 +72,8 @@ public:
   [[nodiscard]] bool holds_numbers(const std::string& dataset) const;
   /// Whether the file holds every value of a dataset; HDF5 reads those that it does not as zeros.
   [[nodiscard]] bool is_complete(const std::string& dataset) const;
+  /// Whether a dataset's values lie in other files; reading it then throws.
+  [[nodiscard]] bool lies_elsewhere(const std::string& dataset) const;
   /// Names of the numbers in each record of a 1-D dataset of records; empty where it holds none.
   [[nodiscard]] std::vector<std::string> members(const std::string& dataset) const;
   /// One of them, of all records.
@@ -85,6 +88,13 @@ public:
   [[nodiscard]] Eigen::MatrixXd read_matrix(const std::string& dataset) const;
   /// The same with each column of the dataset as a row, samples x channels as channels x samples.
   [[nodiscard]] Eigen::MatrixXd read_columns_as_rows(const std::string& dataset) const;
+  /// Each value once, in blocks of a 1-D or 2-D dataset: `visit(first row, first column, block)`, where the block's
+  /// rows are columns of the dataset. Holds one block at a time.
+  using BlockVisitor = std::function<void(Eigen::Index, Eigen::Index, const Eigen::MatrixXd&)>;
+  void read_blocks(const std::string& dataset, const BlockVisitor& visit) const;
+  /// Columns of these numbers (0-based), in their order, as rows; the others are not kept.
+  [[nodiscard]] Eigen::MatrixXd read_columns(const std::string& dataset,
+                                             const std::vector<Eigen::Index>& columns) const;
   /// Column `column` (0-based) of a 2-D dataset, without reading the others.
   [[nodiscard]] Eigen::VectorXd read_column(const std::string& dataset, Eigen::Index column) const;
   [[nodiscard]] std::vector<std::string> read_strings(const std::string& dataset) const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <filesystem>
 #include <limits>
 #include <optional>
 #include <string_view>
@@ -85,7 +86,37 @@ hsize_t hdf5_count(const std::vector<hsize_t>& lengths) {
   return product;
 }
 
+namespace {
+
+/// HDF5 looks for the file of a link beside the file of the link, and in the current folder; it opens what it finds.
+herr_t refuse_other_than_files(const char* file, const char*, const char* linked, const char*, unsigned*, hid_t,
+                               void*) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path name(linked), folder = fs::path(file).parent_path();
+  for (const fs::path& place : {name, folder / name, folder / name.filename()})
+    if (fs::exists(place, error) && !fs::is_regular_file(place, error)) return -1;
+  return 0;
+}
+
+}  // namespace
+
+hid_t hdf5_link_access() {
+  static const hid_t access = [] {
+    const hid_t made = H5Pcreate(H5P_LINK_ACCESS);
+    H5Pset_elink_cb(made, refuse_other_than_files, nullptr);
+    return made;
+  }();
+  return access;
+}
+
+bool hdf5_lies_elsewhere(hid_t dataset) {
+  const Hdf5Id creation(H5Dget_create_plist(dataset), H5Pclose);
+  return H5Pget_layout(creation) == H5D_VIRTUAL || H5Pget_external_count(creation) > 0;
+}
+
 bool hdf5_is_complete(hid_t dataset) {
+  if (hdf5_lies_elsewhere(dataset)) return false;
   const Hdf5Id space(H5Dget_space(dataset), H5Sclose), creation(H5Dget_create_plist(dataset), H5Pclose);
   const auto count = H5Sget_simple_extent_npoints(space);
   if (count <= 0) return true;
@@ -133,15 +164,15 @@ void Hdf5File::Handle::check_name(const std::string& name) const {
 bool Hdf5File::Handle::contains(const std::string& object) const {
   // H5Lexists asks for one link at a time: every group on the way must be there.
   for (std::size_t slash = object.find('/', 1); slash != std::string::npos; slash = object.find('/', slash + 1)) {
-    if (H5Lexists(file, object.substr(0, slash).c_str(), H5P_DEFAULT) <= 0) return false;
+    if (H5Lexists(file, object.substr(0, slash).c_str(), hdf5_link_access()) <= 0) return false;
   }
-  return object == "/" ||
-         (H5Lexists(file, object.c_str(), H5P_DEFAULT) > 0 && H5Oexists_by_name(file, object.c_str(), H5P_DEFAULT) > 0);
+  return object == "/" || (H5Lexists(file, object.c_str(), hdf5_link_access()) > 0 &&
+                           H5Oexists_by_name(file, object.c_str(), hdf5_link_access()) > 0);
 }
 
 Hdf5Id Hdf5File::Handle::object(const std::string& name) const {
   if (!contains(name)) fail("there is no '" + name + "'", "a dataset or group of that name is required");
-  Hdf5Id id(H5Oopen(file, name.c_str(), H5P_DEFAULT), H5Oclose);
+  Hdf5Id id(H5Oopen(file, name.c_str(), hdf5_link_access()), H5Oclose);
   require(id.valid(), "open '" + name + "'");
   return id;
 }
@@ -149,6 +180,9 @@ Hdf5Id Hdf5File::Handle::object(const std::string& name) const {
 Hdf5Id Hdf5File::Handle::dataset(const std::string& name) const {
   Hdf5Id id = object(name);
   if (H5Iget_type(id) != H5I_DATASET) fail("'" + name + "' is a group", "a dataset is required");
+  if (hdf5_lies_elsewhere(id))
+    fail("the values of '" + name + "' lie in another file", "only what the file itself holds is read",
+         "copy the dataset into this file (h5repack)");
   return id;
 }
 

@@ -38,6 +38,13 @@ hsize_t hdf5_count(const std::vector<hsize_t>& lengths);
 /// Whether every chunk of a dataset is in the file. Where one is missing, HDF5 gives fill values without a word.
 bool hdf5_is_complete(hid_t dataset);
 
+/// How links are followed: those to another file only where that is a regular file.
+hid_t hdf5_link_access();
+
+/// Whether the values of a dataset lie in other files (external storage, a virtual dataset). They are not read: HDF5
+/// opens these files by itself, whatever stands there.
+bool hdf5_lies_elsewhere(hid_t dataset);
+
 /// Text of any length in UTF-8.
 Hdf5Id hdf5_text_type();
 

@@ -1,9 +1,9 @@
 #include "kalfem/formats/hdf5/measured_hdf5.hpp"
 
 #include <algorithm>
-#include <new>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
@@ -81,13 +81,23 @@ std::string unit_of(const Hdf5File& file, const std::string& dataset, Index colu
   return "";
 }
 
+/// Number of units that a dataset states; 0 where it states none.
+Index unit_count(const Hdf5File& file, const std::string& dataset) {
+  for (const char* name : {"unit", "units"})
+    if (file.has_attribute(dataset, name)) return std::ssize(file.texts_attribute(dataset, name));
+  return 0;
+}
+
 class Hdf5Reader {
 public:
-  explicit Hdf5Reader(const std::filesystem::path& path) : path_(path.string()), file_(Hdf5File::open(path_)) {}
+  Hdf5Reader(const std::filesystem::path& path, const MeasuredFileOptions& options)
+      : path_(path.string()), file_(Hdf5File::open(path_)), budget_(path, options) {}
 
   MeasuredFile read() {
     for (const auto& dataset : file_.datasets()) {
-      if (const auto members = file_.members(dataset); !members.empty())
+      if (file_.lies_elsewhere(dataset))
+        skip(dataset, "lies in another file");
+      else if (const auto members = file_.members(dataset); !members.empty())
         add_records(dataset, members);
       else
         add_numbers(dataset);
@@ -117,12 +127,13 @@ private:
     if (!file_.holds_numbers(dataset) || shape.empty() || shape.size() > 2)
       return skip(dataset, "is no table of numbers");
     if (!file_.is_complete(dataset)) return skip(dataset, "is damaged: a part of its values is not in the file");
-    const Eigen::MatrixXd turned = file_.read_columns_as_rows(dataset);
-    const std::string down = times_beside(file_, dataset, turned.cols());
-    const std::string times = down.empty() ? times_beside(file_, dataset, turned.rows()) : down;
-    const bool rows_are_channels = down.empty() && (!times.empty() || turned.rows() > turned.cols());
-    const Index count = rows_are_channels ? turned.cols() : turned.rows();
+    const Index rows = shape[0], columns = shape.size() == 2 ? shape[1] : 1;
+    if (!fits(dataset, rows * columns)) return;
+    const auto [times, turned] = times_and_turn(dataset, rows, columns);
     if (!times.empty()) times_of_others_.insert(times);
+    const Index count = turned ? rows : columns, samples = turned ? columns : rows,
+                first = std::ssize(measured_.channels);
+    const Eigen::VectorXd stamps = times.empty() ? Eigen::VectorXd() : file_.read(times);
     const double interval = interval_of(dataset);
     for (Index j = 0; j < count; ++j) {
       const std::string column = count == 1 ? "" : "[" + std::to_string(j) + "]";
@@ -131,28 +142,66 @@ private:
                               .interval = interval,
                               .values = {},
                               .other_names = {dataset.substr(dataset.rfind('/') + 1) + column}};
-      if (rows_are_channels)
-        channel.values = turned.col(j);
-      else
-        channel.values = turned.row(j).transpose();
-      if (!times.empty()) set_times(channel, file_.read(times));
+      if (!times.empty()) set_times(channel, stamps);
+      if (budget_.wants(dataset)) channel.values.resize(samples);
       measured_.channels.push_back(std::move(channel));
     }
+    if (budget_.wants(dataset)) read_values(dataset, turned, first);
+  }
+
+  /// Whether a dataset may be read; says so where not.
+  bool fits(const std::string& dataset, Index values) {
+    const auto bytes = static_cast<std::uintmax_t>(values) * sizeof(double);
+    if (!budget_.wants(dataset) || budget_.take(dataset, bytes)) return true;
+    skip(dataset, budget_.refusal(bytes));
+    return false;
+  }
+
+  /// The dataset of times beside a table, and whether the table's rows are its channels: times say it, then the number
+  /// of units, then the shape.
+  std::pair<std::string, bool> times_and_turn(const std::string& dataset, Index rows, Index columns) {
+    if (auto times = times_beside(file_, dataset, rows); !times.empty()) return {std::move(times), false};
+    if (auto times = times_beside(file_, dataset, columns); !times.empty()) return {std::move(times), true};
+    const Index units = unit_count(file_, dataset);
+    if (columns <= rows || (units == columns && units != rows)) return {"", false};
+    if (rows > 1 && units != rows && budget_.wants(dataset))
+      measured_.notes.push_back("dataset '" + dataset + "' has " + std::to_string(rows) + " rows and " +
+                                std::to_string(columns) + " columns: each row is taken as a channel of " +
+                                std::to_string(columns) +
+                                " samples; if its columns are the channels, store their times t beside it, or turn it");
+    return {"", true};
+  }
+
+  /// Into the channels from `first` on, which have room.
+  void read_values(const std::string& dataset, bool turned, Index first) {
+    file_.read_blocks(dataset, [&](Index row, Index column, const Eigen::MatrixXd& block) {
+      for (Index j = 0; j < (turned ? block.cols() : block.rows()); ++j) {
+        auto& values = measured_.channels[static_cast<std::size_t>(first + j + (turned ? row : column))].values;
+        if (turned)
+          values.segment(column, block.rows()) = block.col(j);
+        else
+          values.segment(row, block.cols()) = block.row(j).transpose();
+      }
+    });
   }
 
   /// A table of records: its members are channels, one of which may hold their times.
   void add_records(const std::string& dataset, const std::vector<std::string>& members) {
     if (!file_.is_complete(dataset)) return skip(dataset, "is damaged: a part of its values is not in the file");
+    if (!fits(dataset, file_.shape(dataset).at(0) * std::ssize(members))) return;
     std::optional<Eigen::VectorXd> times;
+    std::string time_member;
     for (const auto& member : members)
       if (!times && may_be_time_name(member))
-        if (auto values = file_.read_member(dataset, member); increases(values)) times = std::move(values);
+        if (auto values = file_.read_member(dataset, member); increases(values)) {
+          times = std::move(values);
+          time_member = member;
+        }
     const double interval = interval_of(dataset);
     for (const auto& member : members) {
-      MeasuredChannel channel{.name = dataset + "/" + member,
-                              .interval = interval,
-                              .values = file_.read_member(dataset, member),
-                              .other_names = {member}};
+      if (member == time_member) continue;
+      MeasuredChannel channel{.name = dataset + "/" + member, .interval = interval, .other_names = {member}};
+      if (budget_.wants(dataset) || budget_.wants(member)) channel.values = file_.read_member(dataset, member);
       if (times && may_be_time_name(member) && channel.values == *times) continue;
       if (times) set_times(channel, *times);
       measured_.channels.push_back(std::move(channel));
@@ -161,19 +210,15 @@ private:
 
   std::string path_;
   Hdf5File file_;
+  UnpackedBudget budget_;
   MeasuredFile measured_{.format = "HDF5 file"};
   std::set<std::string> times_of_others_;
 };
 
 }  // namespace
 
-MeasuredFile read_measured_hdf5(const std::filesystem::path& path) try {
-  return Hdf5Reader(path).read();
-} catch (const std::bad_alloc&) {
-  throw InvalidInput(Issue{{path.string(), 0},
-                           "the HDF5 file states more values than fit into memory",
-                           "it is damaged, or too large for this machine",
-                           "export it again, or a part of it"});
+MeasuredFile read_measured_hdf5(const std::filesystem::path& path, const MeasuredFileOptions& options) {
+  return Hdf5Reader(path, options).read();
 }
 
 }  // namespace kalfem

@@ -16,6 +16,7 @@ namespace {
 constexpr std::size_t header_length = 128, tag_length = 8;
 constexpr std::uint32_t array_element = 14, compressed_element = 15;
 constexpr std::uint32_t cell_class = 1, structure_class = 2, object_class = 3, sparse_class = 5, opaque_class = 17;
+constexpr std::uint32_t complex_flag = 0x0800;
 constexpr int deepest = 32;
 
 /// Elements of an array one after the other, each with its tag; small ones have their data in the tag.
@@ -33,6 +34,13 @@ public:
     const auto data = bytes_.substr(start, size);
     bytes_.remove_prefix(std::min(bytes_.size(), small ? tag_length : start + (size + 7) / 8 * 8));
     return data;
+  }
+
+  /// Bytes that the next element states to have, whether they are there or not; 0 where there is no tag.
+  [[nodiscard]] std::size_t stated() const {
+    if (bytes_.size() < tag_length) return 0;
+    const auto first = value_at<std::uint32_t>(bytes_.data(), big_endian_);
+    return first >> 16 != 0 ? first >> 16 : value_at<std::uint32_t>(bytes_.data() + 4, big_endian_);
   }
 
 private:
@@ -60,66 +68,130 @@ std::optional<std::size_t> element_count(std::string_view lengths, bool big_endi
   return count <= most ? std::optional(count) : std::nullopt;
 }
 
-bool is_sound(std::string_view array, bool big_endian, int depth);
+/// Checks arrays, and counts what they take in memory once they are read.
+class ArrayCheck {
+public:
+  explicit ArrayCheck(bool big_endian) : big_endian_(big_endian) {}
 
-/// Whether none of the arrays that follow counts more parts than it has bytes. Some programs state too few bytes, so
-/// that the last arrays cannot be found: libmatio looks for itself.
-bool are_sound(Parts& parts, std::size_t count, bool big_endian, int depth) {
-  for (; count > 0; --count) {
-    const auto inner = parts.next();
-    if (!inner) return true;
-    if (!is_sound(*inner, big_endian, depth + 1)) return false;
+  /// Whether an array can have as many parts as it says. An empty one has none at all. Of an array of numbers its
+  /// beginning is enough; `bytes` is its whole length.
+  bool is_sound(std::string_view array, std::size_t bytes, int depth) {
+    if (array.empty()) return true;
+    if (depth > deepest) return false;
+    Parts parts(array, big_endian_);
+    const auto flags = parts.next();
+    if (!flags || flags->size() < 4) return false;
+    const auto flag = value_at<std::uint32_t>(flags->data(), big_endian_);
+    const auto kind = flag & 0xff;
+    unpacked_ += bytes_of_a_part;
+    if (kind == opaque_class) return true;
+    const auto lengths = parts.next(), name = parts.next();
+    if (!lengths || !name) return false;
+    const auto count = element_count(*lengths, big_endian_, kind == sparse_class ? ~std::size_t{0} : bytes);
+    if (!count) return false;
+    if (kind == cell_class) return are_sound(parts, *count, depth);
+    if (kind == structure_class || kind == object_class) return is_sound_structure(parts, *count, bytes, kind, depth);
+    unpacked_ += kind == sparse_class ? bytes : *count * sizeof(double) * (flag & complex_flag ? 2 : 1);
+    if (parts.stated() > bytes) return false;  // libmatio makes room for what the tag states
+    if (kind == sparse_class || *count == 0) return true;
+    const auto values = parts.next();
+    return !values || values->size() >= *count;
   }
-  return true;
-}
 
-bool is_sound_structure(Parts& parts, std::size_t count, std::size_t most, std::uint32_t kind, bool big_endian,
-                        int depth) {
-  if (kind == object_class && !parts.next()) return false;  // name of the class
-  const auto length = parts.next(), names = parts.next();
-  if (!length || length->size() < 4 || !names) return false;
-  const auto one = value_at<std::int32_t>(length->data(), big_endian);
-  if (one <= 0) return names->empty() || count == 0;
-  const std::size_t fields = count * (names->size() / static_cast<std::size_t>(one));
-  return fields <= most && are_sound(parts, fields, big_endian, depth);
-}
+  [[nodiscard]] std::uintmax_t unpacked() const { return unpacked_; }
 
-/// Whether an array can have as many parts as it says. An empty one has none at all.
-bool is_sound(std::string_view array, bool big_endian, int depth) {
-  if (array.empty()) return true;
-  if (depth > deepest) return false;
+private:
+  static constexpr std::size_t bytes_of_a_part = 512;  ///< of a cell or a field, beside its numbers
+
+  /// Whether none of the arrays that follow counts more parts than it has bytes. Some programs state too few bytes, so
+  /// that the last arrays cannot be found: libmatio looks for itself.
+  bool are_sound(Parts& parts, std::size_t count, int depth) {
+    unpacked_ += count * bytes_of_a_part;
+    for (; count > 0; --count) {
+      const auto inner = parts.next();
+      if (!inner) return true;
+      if (!is_sound(*inner, inner->size(), depth + 1)) return false;
+    }
+    return true;
+  }
+
+  bool is_sound_structure(Parts& parts, std::size_t count, std::size_t most, std::uint32_t kind, int depth) {
+    if (kind == object_class && !parts.next()) return false;  // name of the class
+    const auto length = parts.next(), names = parts.next();
+    if (!length || length->size() < 4 || !names) return false;
+    const auto one = value_at<std::int32_t>(length->data(), big_endian_);
+    if (one <= 0) return names->empty() || count == 0;
+    const std::size_t fields = count * (names->size() / static_cast<std::size_t>(one));
+    return fields <= most && are_sound(parts, fields, depth);
+  }
+
+  bool big_endian_;
+  std::uintmax_t unpacked_ = 0;
+};
+
+/// Class and name of an array, as far as its beginning shows them.
+struct ArrayHead {
+  std::uint32_t kind = 0;
+  std::string name;
+  [[nodiscard]] bool has_parts() const { return kind == cell_class || kind == structure_class || kind == object_class; }
+};
+
+ArrayHead head_of(std::string_view array, bool big_endian) {
   Parts parts(array, big_endian);
   const auto flags = parts.next();
-  if (!flags || flags->size() < 4) return false;
-  const auto kind = value_at<std::uint32_t>(flags->data(), big_endian) & 0xff;
-  if (kind == opaque_class) return true;
+  if (!flags || flags->size() < 4) return {};
+  ArrayHead head{value_at<std::uint32_t>(flags->data(), big_endian) & 0xff, ""};
   const auto lengths = parts.next(), name = parts.next();
-  if (!lengths || !name) return false;
-  const auto count = element_count(*lengths, big_endian, kind == sparse_class ? ~std::size_t{0} : array.size());
-  if (!count) return false;
-  if (kind == cell_class) return are_sound(parts, *count, big_endian, depth);
-  if (kind == structure_class || kind == object_class)
-    return is_sound_structure(parts, *count, array.size(), kind, big_endian, depth);
-  if (kind == sparse_class || *count == 0) return true;
-  const auto values = parts.next();
-  return !values || values->size() >= *count;
+  if (lengths && name) head.name = *name;
+  return head;
 }
 
-/// What a top element holds: the array of a compressed one is inside of it. Empty where it is none or damaged.
-std::string_view array_in(std::uint32_t type, std::string_view data, std::string& content) {
-  if (type == array_element) return data;
-  if (type != compressed_element) return {};
-  try {
-    content = uncompressed(data, "");
-  } catch (const InvalidInput&) {
-    return {};
+/// The array that a top element is or holds compressed: all of it where it has parts, otherwise its beginning at least.
+struct TopArray {
+  std::string_view bytes;  ///< of the file or of `content`
+  std::size_t length = 0;  ///< of the whole array
+  bool too_large = false;  ///< it has parts and goes over the budget
+  std::string content = {};
+};
+
+/// Throws InvalidInput where the compressed array is damaged.
+TopArray unpacked_array(std::string_view data, bool big_endian, const UnpackedBudget& budget) {
+  constexpr std::size_t beginning = std::size_t{64} << 10, any = std::size_t{1} << 40;
+  TopArray array;
+  const std::size_t whole = uncompressed_size(data, "", any);
+  array.length = whole - std::min(whole, tag_length);
+  array.content = uncompressed_head(data, "", beginning);
+  if (array.content.size() <= tag_length) return array;
+  const auto head = head_of(std::string_view(array.content).substr(tag_length), big_endian);
+  array.too_large = head.has_parts() && whole > budget.left(head.name);
+  if (head.has_parts() && !array.too_large) array.content = uncompressed(data, "", whole);
+  return array;
+}
+
+/// False where the array is not sound, or too large.
+bool take_array(std::uint32_t type, std::string_view data, bool big_endian, const UnpackedBudget& budget,
+                MatlabElements& found) {
+  TopArray array{data, data.size()};
+  if (type == compressed_element) {
+    try {
+      array = unpacked_array(data, big_endian, budget);
+    } catch (const InvalidInput&) {
+      return false;
+    }
+    array.bytes = std::string_view(array.content).substr(std::min(array.content.size(), tag_length));
   }
-  return content.size() <= tag_length ? std::string_view() : std::string_view(content).substr(tag_length);
+  if (array.too_large) found.too_large = array.length;
+  ArrayCheck check(big_endian);
+  if (array.too_large || array.bytes.empty() || !check.is_sound(array.bytes, array.length, 0)) return false;
+  take_object(array.bytes, big_endian, found);
+  found.unpacked.push_back(check.unpacked());
+  ++found.arrays;
+  return true;
 }
 
 }  // namespace
 
-MatlabElements scan_matlab_elements(const std::filesystem::path& path) {
+MatlabElements scan_matlab_elements(const std::filesystem::path& path, const UnpackedBudget& budget) {
   const MappedFile file(path);
   const auto bytes = file.bytes();
   MatlabElements found;
@@ -139,16 +211,10 @@ MatlabElements scan_matlab_elements(const std::filesystem::path& path) {
       found.cut_off = true;
       break;
     }
-    const auto data = bytes.substr(at + tag_length, size);
-    if (type == array_element || type == compressed_element) {
-      std::string content;
-      const auto array = array_in(type, data, content);
-      if (array.empty() || !is_sound(array, big_endian, 0)) {
-        found.damaged_at = at;
-        break;
-      }
-      take_object(array, big_endian, found);
-      ++found.arrays;
+    const bool array = type == array_element || type == compressed_element;
+    if (array && !take_array(type, bytes.substr(at + tag_length, size), big_endian, budget, found)) {
+      if (found.too_large == 0) found.damaged_at = at;
+      break;
     }
     at += tag_length + size;
   }

@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <map>
 #include <optional>
+#include <set>
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/text.hpp"
+#include "kalfem/formats/matlab/matlab_frequencies.hpp"
+#include "kalfem/formats/matlab/matlab_scope.hpp"
+#include "kalfem/formats/matlab/matlab_units.hpp"
 #include "kalfem/formats/matlab/matlab_values.hpp"
 #include "kalfem/formats/tables/table_titles.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
@@ -23,92 +27,18 @@ using Fields = MatlabFields;
 
 constexpr Index most_columns = 1000;
 
-template <std::size_t count>
-bool is_one_of(std::string_view name, const std::array<std::string_view, count>& names) {
-  return std::ranges::find(names, lower_case(name)) != names.end();
-}
-
 constexpr std::array<std::string_view, 9> rate_names = {
     "fs", "sample_rate", "samplerate", "sampling_rate", "samplingrate", "fsamp", "fs_hz", "rate", "sampling_frequency"};
 constexpr std::array<std::string_view, 8> interval_names = {"dt",      "ts",  "delta_t",   "deltat",
                                                             "delta_x", "t_s", "increment", "interval"};
 constexpr std::array<std::string_view, 6> start_names = {"t0", "start_value", "start", "x0", "start_time", "tstart"};
-constexpr std::array<std::string_view, 6> frequency_names = {"f",           "freq",    "frequency",
-                                                             "frequencies", "freq_hz", "f_hz"};
 constexpr std::array<std::string_view, 4> title_names = {"name", "label", "title", "channel"};
-constexpr std::array<std::string_view, 4> unit_names = {"unit", "units", "y_unit", "unit_string"};
 
-bool is_vector(const MatlabValue& value) {
-  return value.kind == Kind::numbers && (value.real.rows() == 1 || value.real.cols() == 1) && value.real.size() > 1;
-}
-
-VectorXd as_vector(const MatrixXd& values) { return VectorXd::Map(values.data(), values.size()); }
-
-bool is_time(const std::string& name, const MatlabValue& value) {
-  if (!is_vector(value) || value.imaginary.size() > 0) return false;
-  return is_time_name(name) || is_one_of(name, std::array<std::string_view, 3>{"times", "timestamps", "tvec"}) ||
-         (may_be_time_name(name) && increases(as_vector(value.real)));
-}
-
-/// A field that is not copied: it may be large.
-struct NamedValue {
-  std::string name;
-  const MatlabValue* value = nullptr;
-};
-
-/// The fields around a series, innermost first: what states its times.
-class Scope {
-public:
-  explicit Scope(const std::vector<NamedValue>& fields, const Scope* around = nullptr)
-      : fields_(fields), around_(around) {}
-
-  template <class Test>
-  [[nodiscard]] const MatlabValue* find(const Test& test) const {
-    const NamedValue* found = find_named(test);
-    return found == nullptr ? nullptr : found->value;
-  }
-
-  template <class Test>
-  [[nodiscard]] const NamedValue* find_named(const Test& test) const {
-    for (const auto& field : fields_)
-      if (test(field.name, *field.value)) return &field;
-    return around_ == nullptr ? nullptr : around_->find_named(test);
-  }
-
-  template <std::size_t count>
-  [[nodiscard]] std::optional<double> number(const std::array<std::string_view, count>& names) const {
-    const auto* value = find([&](const std::string& name, const MatlabValue& each) {
-      return each.kind == Kind::numbers && each.real.size() == 1 && is_one_of(name, names);
-    });
-    return value == nullptr || !std::isfinite(value->real(0)) ? std::nullopt : std::optional(value->real(0));
-  }
-
-  /// Of the same structure only.
-  template <std::size_t count>
-  [[nodiscard]] std::string text(const std::array<std::string_view, count>& names) const {
-    for (const auto& [name, value] : fields_)
-      if (value->kind == Kind::text && is_one_of(name, names)) return value->text;
-    return "";
-  }
-
-private:
-  const std::vector<NamedValue>& fields_;
-  const Scope* around_;
-};
-
-/// With axes that stand in a structure of their own beside the values: x_values of Testlab, X of dSPACE.
-std::vector<NamedValue> with_axis_fields(const Fields& fields) {
-  std::vector<NamedValue> all;
-  for (const auto& [name, value] : fields) all.push_back({name, &value});
-  for (const auto& [name, value] : fields) {
-    if (value.kind != Kind::structure || value.elements.size() != 1) continue;
-    const bool axis = is_one_of(name, std::array<std::string_view, 3>{"x_values", "x", "xdata"});
-    for (const auto& [inner, part] : value.elements.front()) {
-      const bool values = is_vector(part) && is_one_of(inner, std::array<std::string_view, 2>{"data", "values"});
-      if (axis) all.push_back({values ? "time" : inner, &part});
-    }
-  }
-  return all;
+std::string lengths_in_words(const MatlabValue& value) {
+  if (value.lengths.empty()) return std::to_string(value.real.rows()) + " x " + std::to_string(value.real.cols());
+  std::string words;
+  for (const Index length : value.lengths) words += (words.empty() ? "" : " x ") + std::to_string(length);
+  return words;
 }
 
 class Channels {
@@ -118,26 +48,49 @@ public:
   void add_fields(const Fields& given, const std::string& prefix, const Scope* around) {
     const std::vector<NamedValue> fields = with_axis_fields(given);
     const Scope scope(fields, around);
+    const SeriesUnits units(scope, prefix);
     for (const auto& [name, value] : given)
-      add(value, prefix.empty() || name.empty() ? prefix + name : prefix + "." + name, name, scope);
+      add(value, prefix.empty() || name.empty() ? prefix + name : prefix + "." + name, name, {scope, units});
+  }
+
+  /// Leaves out the vectors that turned out to be frequencies of others.
+  void finish() {
+    for (const auto* axis : axes_)
+      if (const auto found = paths_.find(axis); found != paths_.end())
+        std::erase_if(file_.channels, [&](const MeasuredChannel& channel) {
+          return channel.name == found->second || channel.description == found->second;
+        });
   }
 
 private:
+  /// A structure: what states the times, frequencies and units of its series.
+  struct Place {
+    const Scope& scope;
+    const SeriesUnits& units;
+  };
+
   void skip(const std::string& name, const std::string& what) { file_.skipped.push_back("'" + name + "' is " + what); }
 
-  void add(const MatlabValue& value, const std::string& path, const std::string& name, const Scope& scope) {
+  void add(const MatlabValue& value, const std::string& path, const std::string& name, const Place& place) {
+    if (is_one_of(name, matlab_unit_names) && value.kind != Kind::numbers) return;
     switch (value.kind) {
       case Kind::numbers:
-        return add_numbers(value, path, name, scope);
+        return add_numbers(value, path, name, place);
       case Kind::structure:
       case Kind::cells:
-        return add_elements(value, path, scope);
+        return add_elements(value, path, place.scope);
       case Kind::text:
-        if (!is_one_of(name, title_names) && !is_one_of(name, unit_names)) skip(path, "text");
+        if (!is_one_of(name, title_names) && !is_unit_of_a_series(name)) skip(path, "text");
         return;
       case Kind::other:
         return skip(path, value.what);
     }
+  }
+
+  /// "acc_unit", "unit_acc"
+  static bool is_unit_of_a_series(const std::string& name) {
+    const std::string word = lower_case(name);
+    return word.ends_with("_unit") || word.ends_with("_units") || word.starts_with("unit_");
   }
 
   void add_elements(const MatlabValue& value, const std::string& path, const Scope& scope) {
@@ -148,50 +101,87 @@ private:
     }
   }
 
-  void add_numbers(const MatlabValue& value, const std::string& path, const std::string& name, const Scope& scope) {
+  void add_numbers(const MatlabValue& value, const std::string& path, const std::string& name, const Place& place) {
     if (value.real.size() <= 1 || is_time(name, value)) return;
-    if (value.imaginary.size() > 0) return add_functions(value, path, scope);
+    if (value.imaginary.size() > 0) return add_functions(value, path, name, place);
     const auto is_complex = [](const std::string&, const MatlabValue& each) { return each.imaginary.size() > 0; };
-    if (is_vector(value) && is_one_of(name, frequency_names) && scope.find(is_complex) != nullptr) return;
-    const auto* times = scope.find_named([&](const std::string& each, const MatlabValue& candidate) {
+    if (is_vector(value) && is_exact_frequency_name(name) && place.scope.find(is_complex) != nullptr) return;
+    paths_[&value] = path;
+    const auto* times = place.scope.find([&](const std::string& each, const MatlabValue& candidate) {
       return is_time(each, candidate) &&
              (candidate.real.size() == value.real.rows() || candidate.real.size() == value.real.cols());
     });
-    const bool turned =
-        times != nullptr ? times->value->real.size() != value.real.rows() : value.real.rows() < value.real.cols();
+    const bool turned = is_turned(value, times, path, place.units);
     const Index columns = turned ? value.real.rows() : value.real.cols();
-    if (columns > most_columns)
-      return skip(path, "a matrix of " + std::to_string(value.real.rows()) + " x " + std::to_string(value.real.cols()));
+    if (columns > most_columns) return skip(path, "a matrix of " + lengths_in_words(value));
     VectorXd stamps;
     if (times != nullptr)
       stamps = seconds_in(unit_in_time_name(times->name)).value_or(1.0) * as_vector(times->value->real);
-    add_columns(value.real, turned, std::move(stamps), path, scope);
+    add_columns(value.real, turned, std::move(stamps), {path, name}, place);
   }
 
-  void add_columns(const MatrixXd& values, bool turned, VectorXd times, const std::string& path, const Scope& scope) {
+  /// Whether the rows of a matrix are its channels: the times say it, or the number of units, otherwise its shape.
+  bool is_turned(const MatlabValue& value, const NamedValue* times, const std::string& path, const SeriesUnits& units) {
+    const Index rows = value.real.rows(), columns = value.real.cols();
+    if (times != nullptr) return times->value->real.size() != rows;
+    const auto listed = units.series() == 1 ? static_cast<Index>(units.listed()) : 0;
+    if (listed == columns && listed != rows) return false;
+    if (rows < columns && rows > 1 && listed != rows)
+      file_.notes.push_back(
+          "'" + path + "' has " + std::to_string(rows) + " rows and " + std::to_string(columns) +
+          " columns: each row is taken as a channel of " + std::to_string(columns) +
+          " samples; if its columns are the channels, store a vector of times t beside it, or turn it");
+    return rows < columns;
+  }
+
+  /// Where a series stands, and the name of its field.
+  struct Series {
+    const std::string& path;
+    const std::string& name;
+  };
+
+  void add_columns(const MatrixXd& values, bool turned, VectorXd times, const Series& series, const Place& place) {
     const auto column = [&](Index j) -> VectorXd {
       if (turned) return values.row(j).transpose();
       return values.col(j);
     };
     const Index count = turned ? values.rows() : values.cols();
-    const auto rate = scope.number(rate_names), interval = scope.number(interval_names);
+    const auto rate = place.scope.number(rate_names), interval = place.scope.number(interval_names);
     Index first = 0;
     if (times.size() == 0 && !rate && !interval && count > 1 && even_times(column(0))) {
       times = column(first++);
-      file_.notes.push_back("the first column of '" + path + "' increases evenly: it is taken as time");
+      file_.notes.push_back("the first column of '" + series.path + "' increases evenly: it is taken as time");
     }
-    const std::string title = scope.text(title_names);
+    note(place.units.note(series.name, count - first));
+    const std::string title = place.units.series() > 1 ? "" : place.scope.text(title_names);
     for (Index j = first; j < count; ++j) {
-      MeasuredChannel channel{.name = count == 1 ? path : path + "_" + std::to_string(j + 1),
-                              .unit = scope.text(unit_names)};
+      MeasuredChannel channel{.name = count == 1 ? series.path : series.path + "_" + std::to_string(j + 1),
+                              .unit = unit_of(series, place, {j, first, count})};
       if (!title.empty() && count == 1) name_by(channel, title);
       if (times.size() > 0)
         set_times(channel, times);
       else
-        set_axis(channel, rate, interval, scope);
+        set_axis(channel, rate, interval, place.scope);
       channel.values = column(j);
       file_.channels.push_back(std::move(channel));
     }
+  }
+
+  /// A column of a series, of which the first ones may be times.
+  struct Column {
+    Index number, first, count;
+  };
+
+  /// A list of units may name the time's too.
+  static std::string unit_of(const Series& series, const Place& place, const Column& column) {
+    if (static_cast<Index>(place.units.listed()) == column.count)
+      return place.units.unit_of(series.name, column.number, column.count);
+    return place.units.unit_of(series.name, column.number - column.first, column.count - column.first);
+  }
+
+  void note(std::string words) {
+    if (!words.empty() && std::ranges::find(file_.notes, words) == file_.notes.end())
+      file_.notes.push_back(std::move(words));
   }
 
   /// A title names the channel where no other has it; the path is kept as its description.
@@ -212,24 +202,48 @@ private:
       channel.interval = *interval;
   }
 
-  void add_functions(const MatlabValue& value, const std::string& path, const Scope& scope) {
-    const auto* lines = scope.find([&](const std::string& each, const MatlabValue& candidate) {
-      return is_vector(candidate) && candidate.imaginary.size() == 0 && is_one_of(each, frequency_names) &&
-             (candidate.real.size() == value.real.rows() || candidate.real.size() == value.real.cols());
-    });
-    if (lines == nullptr) return skip(path, "complex, without a vector of frequencies of its length");
+  /// Complex arrays: lines x functions or functions x lines, with lines first or last in arrays of more dimensions.
+  void add_functions(const MatlabValue& value, const std::string& path, const std::string& name, const Place& place) {
+    std::vector<Index> lengths = value.lengths;
+    if (lengths.empty()) lengths = {value.real.rows(), value.real.cols()};
+    const auto axis = frequencies_for(lengths, place.scope);
+    if (!axis)
+      return skip(path,
+                  "complex (" + lengths_in_words(value) + "), without a vector of frequencies of one of its lengths");
+    if (axis->source != nullptr) axes_.insert(axis->source);
+    note(axis->note);
+    const Index count = axis->lines.size();
     Eigen::MatrixXcd columns(value.real.rows(), value.real.cols());
     columns.real() = value.real;
     columns.imag() = value.imaginary;
-    if (lines->real.size() != columns.rows()) columns.transposeInPlace();
+    if (count != lengths.front()) {
+      columns.resize(value.real.size() / count, count);
+      columns.transposeInPlace();
+      lengths.pop_back();
+    } else {
+      lengths.erase(lengths.begin());
+    }
+    note(place.units.note(name, columns.cols()));
     for (Index j = 0; j < columns.cols(); ++j)
-      file_.functions.push_back({.name = columns.cols() == 1 ? path : path + "_" + std::to_string(j + 1),
-                                 .unit = scope.text(unit_names),
-                                 .lines = as_vector(lines->real),
+      file_.functions.push_back({.name = path + numbered(j, lengths),
+                                 .unit = place.units.unit_of(name, j, columns.cols()),
+                                 .lines = axis->lines,
                                  .values = columns.col(j)});
   }
 
+  /// "_2", or "_2_1" of response 2 and reference 1; nothing for a single one.
+  static std::string numbered(Index place, const std::vector<Index>& lengths) {
+    std::string ending;
+    for (const Index length : lengths) {
+      if (length > 1 || lengths.size() > 1) ending += "_" + std::to_string(place % length + 1);
+      place /= length;
+    }
+    return ending;
+  }
+
   MeasuredFile& file_;
+  std::set<const MatlabValue*> axes_;                     ///< vectors that are frequencies of functions
+  std::map<const MatlabValue*, std::string> paths_ = {};  ///< of the channels' values
 };
 
 }  // namespace
@@ -238,10 +252,13 @@ bool begins_matlab(std::string_view head) {
   return head.starts_with("MATLAB 5.0 MAT") || head.starts_with("MATLAB 7.3 MAT");
 }
 
-MeasuredFile read_matlab_file(const std::filesystem::path& path) {
-  auto contents = read_matlab_values(path);
+MeasuredFile read_matlab_file(const std::filesystem::path& path, const MeasuredFileOptions& options) {
+  UnpackedBudget budget(path, options);
+  auto contents = read_matlab_values(path, budget);
   MeasuredFile file{.format = "MATLAB file", .skipped = std::move(contents.skipped)};
-  Channels(file).add_fields(contents.variables, "", nullptr);
+  Channels channels(file);
+  channels.add_fields(contents.variables, "", nullptr);
+  channels.finish();
   if (file.channels.empty() && file.functions.empty())
     throw InvalidInput(
         Issue{{path.string(), 0},

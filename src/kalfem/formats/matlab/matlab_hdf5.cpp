@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
-#include <optional>
+#include <numeric>
 
 #include "kalfem/base/text.hpp"
 #include "kalfem/formats/hdf5/hdf5_handle.hpp"
@@ -65,13 +65,11 @@ std::vector<std::string> names_in(hid_t group) {
 }
 
 /// MATLAB's lengths: HDF5 counts the other way round. A single length is that of a column.
-std::optional<std::pair<Index, Index>> rows_and_columns(hid_t space) {
-  const int rank = H5Sget_simple_extent_ndims(space);
-  if (rank < 0 || rank > 2) return std::nullopt;
-  std::array<hsize_t, 2> lengths{1, 1};
+std::vector<Index> lengths_of(hid_t space) {
+  const int rank = std::max(0, H5Sget_simple_extent_ndims(space));
+  std::vector<hsize_t> lengths(static_cast<std::size_t>(rank));
   H5Sget_simple_extent_dims(space, lengths.data(), nullptr);
-  if (rank == 1) return std::pair(static_cast<Index>(lengths[0]), Index{1});
-  return std::pair(static_cast<Index>(lengths[1]), static_cast<Index>(lengths[0]));
+  return matlab_lengths({lengths.rbegin(), lengths.rend()});
 }
 
 /// The type of complex numbers, of which one part is taken.
@@ -88,8 +86,9 @@ bool is_complex(hid_t type) {
 
 class Reader {
 public:
-  explicit Reader(const std::filesystem::path& path)
+  Reader(const std::filesystem::path& path, UnpackedBudget& budget)
       : path_(path.string()),
+        budget_(budget),
         checked_(Hdf5File::open(path_)),
         file_(H5Fopen(path_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose) {
     std::error_code ignored;
@@ -101,6 +100,7 @@ public:
     if (names.empty()) note("its list of variables is empty or damaged");
     for (const auto& name : names) {
       if (name.starts_with('#')) continue;  // what the variables refer to
+      variable_ = name;
       contents_.variables.push_back({valid_utf8(name), member(file_, name, 0)});
     }
     return std::move(contents_);
@@ -110,7 +110,7 @@ private:
   void note(const std::string& words) { contents_.skipped.push_back(path_ + ": " + words); }
 
   MatlabValue member(hid_t group, const std::string& name, int depth) {
-    const Hdf5Id object(H5Oopen(group, name.c_str(), H5P_DEFAULT), H5Oclose);
+    const Hdf5Id object(H5Oopen(group, name.c_str(), hdf5_link_access()), H5Oclose);
     return object.valid() ? value_of(object, depth) : other("damaged");
   }
 
@@ -137,7 +137,7 @@ private:
     auto value = of_kind(Kind::structure);
     value.elements.resize(1);
     for (const auto& name : names_in(group)) {
-      const Hdf5Id object(H5Oopen(group, name.c_str(), H5P_DEFAULT), H5Oclose);
+      const Hdf5Id object(H5Oopen(group, name.c_str(), hdf5_link_access()), H5Oclose);
       if (object.valid() && is_field_of_array(object)) {
         std::size_t i = 0;
         for (auto& each : referred(object, depth)) {
@@ -159,6 +159,7 @@ private:
   }
 
   std::vector<MatlabValue> referred(hid_t dataset, int depth) {
+    if (hdf5_lies_elsewhere(dataset)) return {1, other("stored in another file")};
     const Hdf5Id space(H5Dget_space(dataset), H5Sclose);
     const auto count = H5Sget_simple_extent_npoints(space);
     if (count <= 0) return {};
@@ -180,6 +181,7 @@ private:
                      : kind == "cell"   ? Kind::cells
                      : kind == "struct" ? Kind::structure
                                         : Kind::numbers);
+    if (hdf5_lies_elsewhere(dataset)) return other("stored in another file");
     const Hdf5Id type(H5Dget_type(dataset), H5Tclose);
     if (!type.valid()) return other("damaged");
     const auto stored = H5Tget_class(type);
@@ -195,12 +197,15 @@ private:
     if (stored == H5T_STRING) return of_kind(Kind::text);
     if (stored != H5T_INTEGER && stored != H5T_FLOAT && !complex) return other("of a type that is not read");
     const Hdf5Id space(H5Dget_space(dataset), H5Sclose);
-    const auto lengths = rows_and_columns(space);
-    if (!lengths) return other("an array of " + std::to_string(H5Sget_simple_extent_ndims(space)) + " dimensions");
+    const auto lengths = lengths_of(space);
+    if (lengths.size() > 2 && !complex) return other("an array of " + std::to_string(lengths.size()) + " dimensions");
     if (!is_plausible(H5Sget_simple_extent_npoints(space)))
       return other("damaged: it states more values than the file can hold");
-    if (kind == "char") return characters(dataset, *lengths);
-    return numbers(dataset, *lengths, complex);
+    const auto unpacked =
+        static_cast<std::uintmax_t>(H5Sget_simple_extent_npoints(space)) * sizeof(double) * (complex ? 2U : 1U);
+    if (!budget_.take(variable_, unpacked)) return too_large(unpacked);
+    if (kind == "char") return characters(dataset, lengths);
+    return numbers(dataset, lengths, complex);
   }
 
   /// What gzip packs to a thousandth at best, and the file's size, bound the numbers.
@@ -208,10 +213,17 @@ private:
     return count >= 0 && static_cast<std::uintmax_t>(count) <= 1100 * bytes_;
   }
 
-  MatlabValue numbers(hid_t dataset, const std::pair<Index, Index>& lengths, bool complex) {
+  [[nodiscard]] MatlabValue too_large(std::uintmax_t bytes) {
+    note("a part of '" + valid_utf8(variable_) + "' " + budget_.refusal(bytes));
+    return other("too large");
+  }
+
+  MatlabValue numbers(hid_t dataset, const std::vector<Index>& lengths, bool complex) {
     auto value = of_kind(Kind::numbers);
+    if (lengths.size() > 2) value.lengths = lengths;
     const auto read = [&](MatrixXd& values, hid_t type) {
-      values.resize(lengths.first, lengths.second);
+      values.resize(lengths.front(),
+                    std::accumulate(lengths.begin() + 1, lengths.end(), Index{1}, std::multiplies<>()));
       return values.size() == 0 || H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0;
     };
     const bool done = complex ? read(value.real, part_type("real")) && read(value.imaginary, part_type("imag"))
@@ -222,10 +234,10 @@ private:
   }
 
   /// Characters of one row.
-  MatlabValue characters(hid_t dataset, const std::pair<Index, Index>& lengths) {
+  MatlabValue characters(hid_t dataset, const std::vector<Index>& lengths) {
     auto value = of_kind(Kind::text);
-    if (lengths.first != 1) return value;
-    std::u16string text(static_cast<std::size_t>(lengths.second), u'\0');
+    if (lengths.size() > 2 || lengths.front() != 1) return value;
+    std::u16string text(static_cast<std::size_t>(lengths.back()), u'\0');
     if (!text.empty() && H5Dread(dataset, H5T_NATIVE_UINT16, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0)
       return other("damaged: its text cannot be read");
     value.text = utf8_of(text);
@@ -233,7 +245,9 @@ private:
   }
 
   std::string path_;
-  Hdf5File checked_;  ///< tells why a file cannot be opened, and silences HDF5
+  UnpackedBudget& budget_;
+  std::string variable_;  ///< that is read now
+  Hdf5File checked_;      ///< tells why a file cannot be opened, and silences HDF5
   Hdf5Id file_;
   std::uintmax_t bytes_ = 0;
   std::size_t values_ = 0;
@@ -242,6 +256,8 @@ private:
 
 }  // namespace
 
-MatlabContents read_matlab_hdf5(const std::filesystem::path& path) { return Reader(path).read(); }
+MatlabContents read_matlab_hdf5(const std::filesystem::path& path, UnpackedBudget& budget) {
+  return Reader(path, budget).read();
+}
 
 }  // namespace kalfem

@@ -3,12 +3,12 @@
 #include <matio.h>
 
 #include <algorithm>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <set>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/regular_file.hpp"
 #include "kalfem/base/text.hpp"
 #include "kalfem/formats/matlab/matlab_file.hpp"
 
@@ -109,10 +109,13 @@ std::optional<std::size_t> size_of(const matvar_t& variable) {
 MatlabValue value_of(matvar_t& variable, std::size_t depth);
 
 MatlabValue numbers_of(const matvar_t& variable, std::size_t size) {
-  if (variable.rank != 2) return other("an array of " + std::to_string(variable.rank) + " dimensions");
-  const auto rows = static_cast<Index>(variable.dims[0]), columns = static_cast<Index>(variable.dims[1]);
+  const auto lengths = matlab_lengths({variable.dims, variable.dims + std::max(0, variable.rank)});
+  if (lengths.size() > 2 && !variable.isComplex)
+    return other("an array of " + std::to_string(lengths.size()) + " dimensions");
   auto value = of_kind(MatlabValue::Kind::numbers);
+  if (lengths.size() > 2) value.lengths = lengths;
   if (size == 0) return value;
+  const Index rows = lengths.front(), columns = static_cast<Index>(size) / rows;
   const std::size_t bytes = size * width_of(variable.class_type);
   if (variable.data == nullptr || variable.nbytes < bytes) return other("damaged");
   if (!variable.isComplex) {
@@ -125,6 +128,18 @@ MatlabValue numbers_of(const matvar_t& variable, std::size_t size) {
   value.imaginary = numbers_of(variable.class_type, parts->Im, rows, columns);
   return value;
 }
+
+}  // namespace
+
+std::vector<Index> matlab_lengths(const std::vector<std::size_t>& lengths) {
+  std::vector<Index> kept(lengths.begin(), lengths.end());
+  while (kept.size() < 2) kept.push_back(1);
+  for (auto place = kept.begin(); kept.size() > 2 && place != kept.end();)
+    place = *place == 1 ? kept.erase(place) : place + 1;
+  return kept;
+}
+
+namespace {
 
 /// Rows of characters run together; only those of one row are names and units.
 MatlabValue text_of(const matvar_t& variable, std::size_t size) {
@@ -192,14 +207,13 @@ MatlabValue value_of(matvar_t& variable, std::size_t depth) {
 }
 
 std::string first_bytes(const std::filesystem::path& path) {
-  std::string head(19, ' ');
-  std::ifstream(path, std::ios::binary).read(head.data(), static_cast<std::streamsize>(head.size()));
-  return head;
+  constexpr std::uintmax_t mark_length = 19;
+  return read_bytes(path, mark_length);
 }
 
 class MatlabReader {
 public:
-  explicit MatlabReader(const std::filesystem::path& path) : path_(path.string()) {
+  MatlabReader(const std::filesystem::path& path, UnpackedBudget& budget) : path_(path.string()), budget_(budget) {
     static const bool quiet = Mat_LogInitFunc("kalfem", keep_quiet) == 0;
     static_cast<void>(quiet);
     if (begins_matlab(first_bytes(path)) || is_matlab_4(path)) file_.reset(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
@@ -210,19 +224,22 @@ public:
 
   MatlabContents read() {
     const auto version = Mat_GetVersion(file_.get());
-    const auto elements = version == MAT_FT_MAT5 ? scan_matlab_elements(path_) : MatlabElements{};
+    const auto elements = version == MAT_FT_MAT5 ? scan_matlab_elements(path_, budget_) : MatlabElements{};
     for (const auto& [name, kind] : elements.objects) add_object(name, kind);
     const std::size_t most = version == MAT_FT_MAT5 ? elements.arrays : most_variables;
     std::size_t arrays = 0;
     for (; arrays < most; ++arrays) {
       const Variable variable{Mat_VarReadNextInfo(file_.get())};
       if (!variable) break;
-      take(*variable);
+      take(*variable, arrays < elements.unpacked.size() ? elements.unpacked[arrays] : 0);
     }
     if (elements.cut_off) note("the file is cut off: what follows is missing");
     if (elements.damaged_at > 0)
       note("the variable at byte " + std::to_string(elements.damaged_at) +
            " is damaged: it and what follows are left out");
+    if (elements.too_large > 0)
+      note("the variable behind the first " + std::to_string(elements.arrays) + " " +
+           budget_.refusal(elements.too_large) + "; what follows it is left out too");
     if (arrays < elements.arrays) note(std::to_string(elements.arrays - arrays) + " of its variables cannot be read");
     return std::move(contents_);
   }
@@ -239,11 +256,12 @@ private:
                                   ": save it as an array");
   }
 
-  void take(matvar_t& variable) {
+  void take(matvar_t& variable, std::uintmax_t unpacked) {
     const std::string name = variable.name == nullptr ? "" : variable.name;
     if (name.empty() || objects_.contains(name)) return;  // data of objects have no name
     if (!is_plausible(variable))
       return note("variable '" + valid_utf8(name) + "' states more values than the file can hold");
+    if (!budget_.take(name, unpacked)) return note("variable '" + valid_utf8(name) + "' " + budget_.refusal(unpacked));
     if (Mat_VarReadDataAll(file_.get(), &variable) != 0)
       return note("variable '" + valid_utf8(name) + "' cannot be read");
     contents_.variables.push_back({valid_utf8(name), value_of(variable, 0)});
@@ -258,6 +276,7 @@ private:
   }
 
   std::string path_;
+  UnpackedBudget& budget_;
   std::unique_ptr<mat_t, CloseFile> file_;
   MatlabContents contents_;
   std::set<std::string> objects_;
@@ -267,8 +286,9 @@ private:
 
 // libmatio takes classes of version 7.3 for unknown whose names do not end in a zero, as HDF5's other writers leave
 // them.
-MatlabContents read_matlab_values(const std::filesystem::path& path) {
-  return first_bytes(path).starts_with("MATLAB 7.3") ? read_matlab_hdf5(path) : MatlabReader(path).read();
+MatlabContents read_matlab_values(const std::filesystem::path& path, UnpackedBudget& budget) {
+  return first_bytes(path).starts_with("MATLAB 7.3") ? read_matlab_hdf5(path, budget)
+                                                     : MatlabReader(path, budget).read();
 }
 
 }  // namespace kalfem

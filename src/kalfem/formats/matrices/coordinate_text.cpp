@@ -54,6 +54,9 @@ private:
     if (words.size() < 5 || !is_banner(words[0]) || lower_case(words[1]) != "matrix")
       refuse("this is not a Matrix Market file",
              "it must begin with %%MatrixMarket matrix, a format, a field and a symmetry");
+    if (words.size() > 5)
+      refuse("the first line goes on with '" + std::string(words[5].substr(0, 40)) + "'",
+             "nothing follows the symmetry", "remove it, or make it a comment of its own");
     const std::string format = lower_case(words[2]), field = lower_case(words[3]), symmetry = lower_case(words[4]);
     if (format != "coordinate" && format != "array")
       refuse("the format '" + format + "' is not known", "it must be 'coordinate' or 'array'");
@@ -180,6 +183,17 @@ std::vector<ForeignMatrix> parse_triplets(std::string_view text, const std::stri
   return {matrix.finish(Storage::triangle_or_full)};
 }
 
+std::optional<std::string> unknown_parameter(std::string_view line, std::initializer_list<std::string_view> known) {
+  std::string text = lower_case(line);
+  std::erase_if(text, [](char c) { return c == ' ' || c == '\t' || c == '\r'; });
+  for (std::size_t at = text.find(','); at != std::string::npos; at = text.find(',', at + 1)) {
+    const std::string parameter = text.substr(at + 1, text.find(',', at + 1) - at - 1);
+    const std::string name = parameter.substr(0, parameter.find('='));
+    if (!name.empty() && std::ranges::find(known, name) == known.end()) return name;
+  }
+  return std::nullopt;
+}
+
 namespace {
 
 /// Value of a parameter of a keyword line in lower case, "" where it has none of that name.
@@ -221,6 +235,9 @@ private:
   // another file, which is then the one to read.
   void begin(std::string_view keyword) {
     finish();
+    if (const auto other = unknown_parameter(keyword, {"name", "type", "matrix", "scalefactor", "input"}))
+      refuse("the parameter '" + *other + "' of a matrix is not known", "what it means for the entries is not either",
+             "known are NAME, TYPE, MATRIX, SCALE FACTOR and INPUT");
     name_ = parameter(keyword, "name");
     if (name_.empty()) name_ = parameter(keyword, "type");
     if (name_.empty()) name_ = parameter(keyword, "matrix");

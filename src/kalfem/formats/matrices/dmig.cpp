@@ -76,6 +76,7 @@ private:
              "export stiffness and damping as real matrices");
     if (type != 1 && type != 2)
       refuse(card_->place.line, "matrix '" + name + "' has type " + std::to_string(type), "it must be 1 or 2 (real)");
+    refuse_beyond_header(name);
     if (!headers_.try_emplace(name, Header{static_cast<int>(form), card_->place.line}).second)
       refuse(card_->place.line, "matrix '" + name + "' has two headers", "it is not clear which one applies");
     order_.push_back(name);
@@ -85,11 +86,12 @@ private:
   // A column card holds groups of four fields G, C, A, B: point, component, real and imaginary part. A group without
   // point and value is a gap in the card. In form 9 the column is a plain number without component.
   void add_column(const std::string& name, int form) {
+    if (!field(3).empty()) refuse_field(name, 3);
     const bool numbered = form == 9;
     MatrixDof column{whole(1, "column's point"), 0};
     if (!numbered) column = dof(1, 2);
     for (std::size_t i = 4; i < card_->size(); i += 4) {
-      if (field(i).empty() && field(i + 2).empty()) continue;
+      if (field(i).empty() && field(i + 1).empty() && field(i + 2).empty() && field(i + 3).empty()) continue;
       const MatrixDof row = dof(i, i + 1);
       const auto value = fortran_number(field(i + 2));
       if (!value)
@@ -103,6 +105,18 @@ private:
       else
         rectangular_[name].push_back({row, column, *value, card_->place.line});
     }
+  }
+
+  // TOUT, POLAR and the number of columns (fields 4, 5 and 7) concern output and complex matrices.
+  /// A field of a header that has no meaning.
+  void refuse_beyond_header(const std::string& name) const {
+    for (std::size_t i = 6; i < card_->size(); ++i)
+      if (i != 7 && !field(i).empty()) refuse_field(name, i);
+  }
+  [[noreturn]] void refuse_field(const std::string& name, std::size_t i) const {
+    refuse(card_->place.line, "'" + field(i) + "' in " + nastran::place_on_card(i + 1) + " of matrix '" + name +
+                                  "' stands where DMIG has no field",
+           "an entry may be out of its place", "correct the card");
   }
 
   [[nodiscard]] MatrixDof dof(std::size_t point, std::size_t component) const {

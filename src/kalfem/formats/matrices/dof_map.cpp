@@ -8,6 +8,7 @@
 #include "kalfem/formats/matrices/single_formats.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
 #include "kalfem/formats/text_file.hpp"
+#include "kalfem/formats/unpacked_size.hpp"
 #include "kalfem/model/finite_element_model.hpp"
 
 namespace kalfem {
@@ -57,6 +58,8 @@ public:
 private:
   /// The degrees of freedom of one line; false where it is none (a header line may be so).
   bool take(const std::vector<std::string_view>& words, int line) {
+    if (words.size() > (options_.directions > 0 ? 1U : 2U) && whole_number(words[0]))
+      return refuse_more(words.size(), line);
     if (options_.directions > 0) {
       const auto node = whole_number(words[0]);
       if (!node || *node < 1) return false;
@@ -67,6 +70,14 @@ private:
     const auto dof = words.size() == 1 ? joined(words[0]) : pair(words[0], words[1]);
     if (dof) add(*dof, line);
     return dof.has_value();
+  }
+
+  /// A third column may be anything: a coordinate system, or the row, with the node behind it.
+  bool refuse_more(std::size_t count, int line) {
+    problems_.add(line, "the line holds " + std::to_string(count) + " values",
+                  options_.directions > 0 ? "a node is expected" : "a node and a direction are expected",
+                  "remove the other columns");
+    return true;
   }
 
   static std::optional<MatrixDof> pair(std::string_view node, std::string_view direction) {
@@ -148,18 +159,24 @@ std::vector<MatrixDof> dofs_of_map(const Eigen::Ref<const Eigen::MatrixXd>& map,
 std::vector<MatrixDof> parse_dof_map(std::string_view text, const std::string& source, const DofMapOptions& options) {
   if (options.directions < 0 || options.directions > 6)
     throw InvalidInput("a node has " + std::to_string(options.directions) + " directions", "it must have 1 to 6", {});
-  if (is_gzip(text)) return parse_dof_map(uncompressed(text, source), source, options);
+  if (is_gzip(text)) {
+    const std::string content = uncompressed(text, source, most_unpacked(text.size()));
+    if (is_gzip(content))
+      refuse_matrix(source, 0, "the file is compressed twice", "one compression is read", "unpack it once (gunzip)");
+    return parse_dof_map(content, source, options);
+  }
   if (text.starts_with("CDF") || looks_like_hdf5(text)) {
     for (const auto& matrix : parse_matrices(text, source))
       if (!matrix.dofs.empty()) return matrix.dofs;
     refuse_matrix(source, 0, "the file has no map of degrees of freedom",
                   "an array of nodes and directions is required");
   }
+  require_short_lines(text, source);
   return MapReader(source, options).read(text);
 }
 
 std::vector<MatrixDof> read_dof_map(const std::filesystem::path& path, const DofMapOptions& options) {
-  return parse_dof_map(read_text(path), path.string(), options);
+  return parse_dof_map(read_content(path), path.string(), options);
 }
 
 }  // namespace kalfem

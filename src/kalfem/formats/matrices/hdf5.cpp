@@ -11,6 +11,7 @@
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "kalfem/formats/matrices/entries.hpp"
 #include "kalfem/formats/matrices/single_formats.hpp"
+#include "kalfem/formats/unpacked_size.hpp"
 
 namespace kalfem {
 namespace {
@@ -43,15 +44,20 @@ public:
         matrices.push_back(std::move(*matrix));
         for (const auto& member : members) used.insert(group + "/" + member);
       }
+    std::string others;
     for (const auto& name : names_) {
       const std::size_t slash = name.find_last_of('/');
       if (used.contains(name.substr(0, slash + 1) + lower_case(name.substr(slash + 1))) || is_map_name(name)) continue;
-      if (file_.holds_numbers(name) && file_.shape(name).size() == 2) matrices.push_back(dense(name));
+      if (file_.holds_numbers(name) && file_.shape(name).size() == 2)
+        matrices.push_back(dense(name));
+      else
+        others += (others.empty() ? "" : ", ") + plain(name);
     }
     std::erase_if(matrices, [](const ForeignMatrix& matrix) { return matrix.matrix.size() == 0; });
     if (matrices.empty())
       refuse("the file has no matrix",
              "a dataset of two dimensions or a group with data, indices and indptr is required");
+    if (!others.empty()) matrices.front().notes.push_back("datasets that are no matrices and are not used: " + others);
     attach_map(matrices);
     return matrices;
   }
@@ -141,6 +147,9 @@ private:
   [[nodiscard]] ForeignMatrix dense(const std::string& name) const {
     const auto shape = file_.shape(name);
     require_stored(name);
+    for (const char* packed : {"scale_factor", "add_offset"})
+      if (file_.has_attribute(name, packed))
+        refuse("matrix '" + plain(name) + "' is packed (" + packed + ")", "its numbers are not those of the matrix");
     Eigen::MatrixXd values = file_.read_matrix(name);
     if (file_.has_attribute(name, "MATLAB_class")) values.transposeInPlace();
     if (!values.allFinite())
@@ -194,6 +203,9 @@ private:
     if (count > small_dataset && count > most_compression * static_cast<double>(file_.stored_bytes(name)))
       refuse("'" + name + "' claims " + std::to_string(count) + " values, but the file is too short for them",
              "the file is damaged");
+    if (count * 8.0 > static_cast<double>(most_unpacked(bytes_)))
+      refuse("'" + name + "' unpacks to " + std::to_string(std::llround(count * 8e-6)) + " MB, far more than the file",
+             "store it sparse, or without compression");
   }
 
   [[nodiscard]] Eigen::VectorXd numbers(const std::string& name) const {

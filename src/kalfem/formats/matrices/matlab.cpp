@@ -6,6 +6,7 @@
 #include "kalfem/formats/matrices/entries.hpp"
 #include "kalfem/formats/matrices/single_formats.hpp"
 #include "kalfem/formats/text_file.hpp"
+#include "kalfem/formats/unpacked_size.hpp"
 
 namespace kalfem {
 namespace {
@@ -79,13 +80,15 @@ public:
     if (matrices_.empty())
       file_.refuse("the file has no matrix of real numbers" + passed_over(), "full or sparse matrices are required",
                    "save stiffness and mass as separate variables");
+    if (!others_.empty())
+      matrices_.front().notes.push_back("variables that are no matrices and are not used:" + others());
     return std::move(matrices_);
   }
 
 private:
   void take(const Element& element) {
     if (element.type == compressed_element) {
-      const std::string content = uncompressed(element.data, file_.file());
+      const std::string content = uncompressed(element.data, file_.file(), most_unpacked(file_.size()));
       ByteReader inside(content, file_.file(), file_.big_endian());
       const Element array = next_element(inside);
       if (array.type == array_element) read_array(array.data);
@@ -160,9 +163,10 @@ private:
     return numbers;
   }
 
-  [[nodiscard]] std::string passed_over() const {
-    if (others_.empty()) return {};
-    std::string text = ", only";
+  [[nodiscard]] std::string passed_over() const { return others_.empty() ? "" : ", only" + others(); }
+
+  [[nodiscard]] std::string others() const {
+    std::string text;
     for (const auto& name : others_) text += " '" + name + "'";
     return text;
   }

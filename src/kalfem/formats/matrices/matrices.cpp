@@ -8,6 +8,7 @@
 #include "kalfem/formats/matrices/single_formats.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
 #include "kalfem/formats/text_file.hpp"
+#include "kalfem/formats/unpacked_size.hpp"
 
 namespace kalfem {
 namespace {
@@ -44,6 +45,7 @@ bool has_keyword(std::string_view text, std::string_view keyword) {
 // Five numbers in a line are node, direction, node, direction, value; three are row, column, value.
 /// The format of a text without a signature: by the end of its name, then by its first line that says something.
 MatrixFormat text_format(std::string_view text, const std::string& name) {
+  require_short_lines(text, name);
   if (ends_with_any(name, {".op4"}) || looks_like_op4_text(text)) return MatrixFormat::op4;
   if (ends_with_any(name, {".pch", ".dmig", ".bdf", ".nas"})) return MatrixFormat::dmig;
   LineReader lines(text);
@@ -73,7 +75,13 @@ MatrixFormat format_of(std::string_view bytes, const std::string& source) {
   return text_format(bytes, name);
 }
 
+bool is_text(MatrixFormat format, std::string_view bytes) {
+  return format == MatrixFormat::matrix_market || format == MatrixFormat::triplets || format == MatrixFormat::nodal ||
+         format == MatrixFormat::dmig || (format == MatrixFormat::op4 && !looks_like_op4_binary(bytes));
+}
+
 std::vector<ForeignMatrix> parse_as(MatrixFormat format, std::string_view bytes, const std::string& source) {
+  if (is_text(format, bytes)) require_short_lines(bytes, source);
   switch (format) {
     case MatrixFormat::matrix_market:
       return parse_matrix_market(bytes, source);
@@ -181,7 +189,10 @@ std::vector<ForeignMatrix> parse_matrices(std::string_view bytes, const std::str
                                           const MatrixReadOptions& options) {
   if (is_gzip(bytes)) {
     const std::string name = source.ends_with(".gz") ? source.substr(0, source.size() - 3) : source;
-    return parse_matrices(uncompressed(bytes, source), name, options);
+    const std::string content = uncompressed(bytes, source, most_unpacked(bytes.size()));
+    if (is_gzip(content))
+      refuse_matrix(source, 0, "the file is compressed twice", "one compression is read", "unpack it once (gunzip)");
+    return parse_matrices(content, name, options);
   }
   if (bytes.empty()) refuse_matrix(source, 0, "the file is empty", "it should contain matrices");
   const MatrixFormat format = options.format == MatrixFormat::automatic ? format_of(bytes, source) : options.format;
@@ -189,7 +200,7 @@ std::vector<ForeignMatrix> parse_matrices(std::string_view bytes, const std::str
 }
 
 std::vector<ForeignMatrix> read_matrices(const std::filesystem::path& path, const MatrixReadOptions& options) {
-  const std::string text = read_text(path);
+  const std::string text = read_content(path);
   require_last_line_end(text, path.string(), options.format);
   auto matrices = parse_matrices(text, path.string(), options);
   attach_neighbouring_map(matrices, path);

@@ -266,6 +266,21 @@ std::optional<ForeignMatrix> chosen(const std::vector<Found>& all, Role role, co
 
 }  // namespace
 
+namespace {
+
+/// What the files hold beside the matrices that were chosen.
+void add_notes_on_others(const std::vector<Found>& all, const std::vector<std::string>& chosen,
+                         std::vector<std::string>& notes) {
+  for (const auto& [matrix, file, role] : all) {
+    const std::string where = file.filename().string() + ": ";
+    for (const auto& note : matrix.notes) notes.push_back(where + note);
+    if (std::ranges::find(chosen, matrix.name) == chosen.end())
+      notes.push_back(where + "matrix '" + matrix.name + "' is not used");
+  }
+}
+
+}  // namespace
+
 std::string dof_name(const MatrixDof& dof) { return dof.direction < 0 ? to_string(dof) : "n" + to_string(dof); }
 
 std::optional<MatrixDof> matrix_dof(const std::string& name) {
@@ -315,7 +330,9 @@ MatrixModel read_superelement(const std::vector<std::filesystem::path>& files, c
   issues.raise();
   MatrixModelOptions model = options.model;
   if (options.dof_map) model.dofs = read_dof_map(*options.dof_map, options.map);
-  return matrix_model(*stiffness, *mass, damping, model);
+  MatrixModel made = matrix_model(*stiffness, *mass, damping, model);
+  add_notes_on_others(all, {stiffness->name, mass->name, damping ? damping->name : ""}, made.notes);
+  return made;
 }
 
 }  // namespace kalfem

@@ -16,6 +16,7 @@ struct Variable {
   std::vector<std::size_t> dimensions;
   std::int32_t type = 0;
   std::size_t begin = 0;
+  bool is_packed = false;  ///< its values mean scale_factor * value + add_offset
 };
 
 /// Bytes of a value: byte, char, short, int, float, double, and the unsigned and 64-bit types of CDF-5.
@@ -63,13 +64,22 @@ public:
     for (const auto& variable : variables_)
       if (is_map_name(variable.name) && length(variable, 1) == 2) map = dofs_of_map(values(variable), file_.file());
     std::vector<ForeignMatrix> found;
+    std::string others;
     for (const auto& variable : variables_) {
-      if (variable.dimensions.size() != 2 || variable.type == 2 || is_map_name(variable.name)) continue;
-      if (length(variable, 0) == 0 || length(variable, 1) == 0) continue;
+      if (is_map_name(variable.name)) continue;
+      if (variable.dimensions.size() != 2 || variable.type == 2 || length(variable, 0) == 0 ||
+          length(variable, 1) == 0) {
+        others += (others.empty() ? "" : ", ") + variable.name;
+        continue;
+      }
+      if (variable.is_packed)
+        file_.refuse("variable '" + variable.name + "' is packed (scale_factor, add_offset)",
+                     "its numbers are not those of the matrix", "export it unpacked");
       found.push_back({variable.name, checked(variable).sparseView(), {}, false});
       if (static_cast<std::size_t>(found.back().matrix.rows()) == map.size()) found.back().dofs = map;
     }
     if (found.empty()) file_.refuse("the file has no matrix", "a variable of two dimensions is required");
+    if (!others.empty()) found.front().notes.push_back("variables that are no matrices and are not used: " + others);
     return found;
   }
 
@@ -104,15 +114,19 @@ private:
     }
   }
 
-  void pass_over_attributes() {
+  /// Whether one of the attributes scales the values.
+  bool pass_over_attributes() {
+    bool scales = false;
     for (std::size_t i = list_length(); i-- > 0;) {
-      name();
+      const std::string own = name();
+      scales = scales || own == "scale_factor" || own == "add_offset";
       const std::size_t width = width_of(file_.read<std::int32_t>());
       const std::size_t number = count();
       if (width > 0 && number > file_.remaining() / width) file_.refuse("an attribute is longer than the file");
       file_.take(number * width);
       pad(number * width);
     }
+    return scales;
   }
 
   void read_variables() {
@@ -125,7 +139,7 @@ private:
         if (variable.dimensions.back() >= lengths_.size())
           file_.refuse("a variable has a dimension that does not exist");
       }
-      pass_over_attributes();
+      variable.is_packed = pass_over_attributes();
       variable.type = file_.read<std::int32_t>();
       count();
       const std::int64_t begin = version_ == 1 ? file_.read<std::int32_t>() : file_.read<std::int64_t>();

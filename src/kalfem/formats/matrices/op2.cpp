@@ -38,6 +38,7 @@ public:
     if (matrices.empty())
       file_.refuse("the file has no matrix, only tables", "matrices such as KAA and MAA are required",
                    "export them with OUTPUT2 from the other code");
+    if (!tables_.empty()) matrices.front().notes.push_back("tables that are not used: " + tables_);
     return matrices;
   }
 
@@ -73,6 +74,7 @@ private:
     read_key();
     if (const std::int64_t kind = read_key(); kind == 0) {
       pass_over_table();
+      tables_ += (tables_.empty() ? "" : ", ") + header.name;
     } else {
       matrices.push_back(read_matrix(header));
       if (!file_.at_end()) read_key();  // the 0 that ends the block
@@ -140,6 +142,7 @@ private:
 
   ByteReader file_;
   std::size_t word_;
+  std::string tables_;  ///< names of those that were passed over
 };
 
 }  // namespace

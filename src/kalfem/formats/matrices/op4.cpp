@@ -24,6 +24,12 @@ void check_op4(const Op4Header& header, const std::string& source, int line) {
   if (header.type != 1 && header.type != 2)
     refuse_matrix(source, line, "matrix '" + header.name + "' has type " + std::to_string(header.type),
                   "it must be 1 or 2 (real)");
+  constexpr std::int64_t not_stated = 0, square = 1, rectangular = 2, diagonal = 3, symmetric = 6, identity = 8;
+  for (const auto form : {not_stated, square, rectangular, diagonal, symmetric, identity})
+    if (header.form == form) return;
+  refuse_matrix(source, line, "matrix '" + header.name + "' has form " + std::to_string(header.form),
+                "it must be 1 (square), 2 (rectangular), 3 (diagonal), 6 (symmetric) or 8 (identity)",
+                "export the matrix itself, not its factors");
 }
 
 MatrixEntries op4_entries(const Op4Header& header, const std::string& source, std::size_t bytes, int line) {

@@ -3,6 +3,8 @@
 // The readers of the single formats; inside of matrices.cpp only. Each gives all matrices of a file in its order and
 // throws InvalidInput where it cannot.
 
+#include <initializer_list>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +25,9 @@ std::vector<ForeignMatrix> parse_op2(std::string_view bytes, const std::string& 
 std::vector<ForeignMatrix> parse_hdf5(std::string_view bytes, const std::string& source);
 std::vector<ForeignMatrix> parse_netcdf(std::string_view bytes, const std::string& source);
 std::vector<ForeignMatrix> parse_matlab(std::string_view bytes, const std::string& source);
+
+/// The first parameter of a keyword line, in lower case without blanks, that is not among `known`.
+std::optional<std::string> unknown_parameter(std::string_view line, std::initializer_list<std::string_view> known);
 
 /// Name for the matrix of a file that holds one without a name: that of the file without its folder and ends.
 std::string name_from(const std::string& source);

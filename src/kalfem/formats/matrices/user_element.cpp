@@ -7,6 +7,7 @@
 
 #include "kalfem/formats/matrices/entries.hpp"
 #include "kalfem/formats/matrices/single_formats.hpp"
+#include "kalfem/formats/tables/text_table.hpp"
 
 namespace kalfem {
 namespace {
@@ -31,11 +32,12 @@ public:
     }
     finish_matrix();
     if (matrices_.empty()) refuse("the file has no matrix", "*MATRIX, TYPE=STIFFNESS or TYPE=MASS is required");
+    if (!others_.empty()) matrices_.front().notes.push_back("keywords that are not used: " + others_);
     return std::move(matrices_);
   }
 
 private:
-  enum class Block { none, element, matrix };
+  enum class Block { none, element, matrix, other };
 
   // Comments outside of the list of nodes are ignored, and one that is no list of numbers ends it.
   void comment(std::string_view text) {
@@ -77,12 +79,28 @@ private:
         refuse("*USER ELEMENT does not state how many nodes it has", "NODES= is required");
       count_ = static_cast<std::size_t>(*count);
       unsymmetric_ = text.find(",unsymm") != std::string::npos;
+      require_parameters(line, {"nodes", "unsymm", "linear", "type"});
     } else if (text.starts_with("*matrix,")) {
+      require_parameters(line, {"type"});
       block_ = Block::matrix;
       const std::size_t at = text.find("type=");
       name_ = at == std::string::npos ? "matrix" : text.substr(at + 5, text.find(',', at) - at - 5);
       dofs_ = element_dofs();
+    } else if (text.starts_with("*cload") || text.starts_with("*sload") || text.starts_with("*heading")) {
+      block_ = Block::other;
+      const std::string name = text.substr(0, text.find(','));
+      if (others_.find(name) == std::string::npos) others_ += (others_.empty() ? "" : ", ") + name;
+    } else {
+      refuse("the keyword '" + std::string(trimmed(line)).substr(0, 40) + "' is not known here",
+             "what it adds to the matrices would be lost",
+             "keep *USER ELEMENT and *MATRIX, as the other code writes them");
     }
+  }
+
+  void require_parameters(std::string_view line, std::initializer_list<std::string_view> known) const {
+    if (const auto other = unknown_parameter(line, known))
+      refuse("the parameter '" + *other + "' is not known", "what it means for the matrices is not either",
+             "remove it if it has no effect");
   }
 
   // Values of a matrix run on over as many lines as they need. Lines of *USER ELEMENT list the active directions: the
@@ -110,6 +128,8 @@ private:
       const std::int64_t position = changes_.empty() ? 1 : numbers.front();
       const std::size_t skip = changes_.empty() ? 0 : 1;
       changes_.push_back({position, {numbers.begin() + static_cast<std::ptrdiff_t>(skip), numbers.end()}});
+    } else if (block_ == Block::none) {
+      refuse("the line belongs to no keyword", "it stands before *USER ELEMENT", "remove it, or make it a comment");
     }
   }
 
@@ -184,6 +204,7 @@ private:
   std::string name_;
   std::vector<std::pair<double, int>> values_;
   std::vector<ForeignMatrix> matrices_;
+  std::string others_;  ///< keywords of loads and titles
 };
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <charconv>
 #include <cmath>
 #include <numeric>
+#include <unordered_map>
+#include <unordered_set>
 
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/invalid_input.hpp"
@@ -74,21 +76,24 @@ std::string in_words(const std::vector<std::string>& names) {
 
 /// Whole titles where columns would otherwise be named alike: "x [mm]" and "x [m/s]".
 void tell_apart(std::vector<Channel>& channels, const std::vector<std::string>& titles) {
-  const auto short_names = names_of(channels);
+  std::unordered_map<std::string, int> used;
+  for (const auto& channel : channels) ++used[channel.name];
   for (std::size_t i = 0; i < channels.size(); ++i)
-    if (std::ranges::count(short_names, short_names[i]) > 1) channels[i].name = titles[i];
+    if (used[channels[i].name] > 1) channels[i].name = titles[i];
 }
 
 std::vector<Channel> titles_of(const TextLine& first, const Dialect& dialect, FileProblems& problems) {
   auto cells = split_cells(first.text, dialect.separator);
   if (cells.size() > 1 && cells.back().empty()) cells.pop_back();
+  require_columns(cells.size(), problems.file(), first.number);
   std::vector<Channel> channels;
   std::vector<std::string> titles;
+  std::unordered_set<std::string> used;
   for (const auto cell : cells) {
     const bool named = dialect.header && !cell.empty();
     titles.push_back(named ? to_utf8(cell) : "column_" + std::to_string(titles.size() + 1));
     channels.push_back(named ? channel_of(titles.back()) : Channel{titles.back(), ""});
-    if (std::ranges::count(titles, titles.back()) > 1)
+    if (!used.insert(titles.back()).second)
       problems.add(first.number, "two columns are named '" + titles.back() + "'", "names must be unique",
                    "rename one of them");
   }

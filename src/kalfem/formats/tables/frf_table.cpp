@@ -78,6 +78,7 @@ Table table_of(const std::vector<TextLine>& lines, const FrfTableOptions& option
   table.decimal = options.decimal.value_or(find_decimal(lines, separator));
   auto first = split_cells(lines.front().text, separator);
   if (first.size() > 1 && first.back().empty()) first.pop_back();
+  require_columns(first.size(), problems.file(), lines.front().number);
   const bool header = std::ranges::any_of(first, [&](auto cell) { return !parse_complex(cell, table.decimal); });
   if (header) {
     table.header_line = lines.front().number;

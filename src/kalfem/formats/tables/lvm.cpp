@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <numeric>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/regular_file.hpp"
 #include "kalfem/base/text.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/tables/lvm_segments.hpp"
@@ -39,6 +39,18 @@ struct Header {
     return found == lines.end() ? 0 : found->second;
   }
 };
+
+constexpr std::string_view separator_key = "Separator";
+
+/// The separator that its line names, "Separator<TAB>Tab", "Separator,Comma", or writes as itself, "Separator;;".
+char separator_in(std::string_view line) {
+  const std::string said = lower_case(line.substr(separator_key.size()));
+  const auto says = [&](std::string_view word) { return said.find(word) != std::string::npos; };
+  if (says("semicolon")) return ';';
+  if (says("comma")) return ',';
+  if (says("tab")) return '\t';
+  return says(";") ? ';' : says(",") ? ',' : '\t';
+}
 
 /// How the file is written.
 struct Dialect {
@@ -136,8 +148,7 @@ private:
     bool special = false;
     while (at < lines_.size()) {
       const auto& line = lines_[at++];
-      if (line.text.starts_with("Separator"))
-        dialect_.separator = line.text.find("Comma") != std::string_view::npos ? ',' : '\t';
+      if (line.text.starts_with(separator_key)) dialect_.separator = separator_in(line.text);
       Cells cells = split_cells(line.text, dialect_.separator);
       const std::string key(cells.front());
       if (key == end_of_header) return true;
@@ -404,10 +415,8 @@ namespace {
 
 /// LabVIEW writes no header where the user wants none: the first line holds numbers alone.
 bool has_no_header(const std::filesystem::path& path) {
-  std::string head(4096, '\0');
-  std::ifstream stream(path, std::ios::binary);
-  stream.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(stream.gcount()));
+  constexpr std::uintmax_t looked_at = 4096;
+  std::string head = read_bytes(path, looked_at);
   head = utf16_as_utf8(head).value_or(head);
   const auto lines = content_lines(head);
   if (lines.empty()) return false;

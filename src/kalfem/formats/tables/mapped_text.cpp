@@ -5,6 +5,7 @@
 namespace kalfem {
 
 MappedText::MappedText(const std::filesystem::path& path) : file_(path), view_(file_.bytes()) {
+  require_short_lines(view_, path.string());
   if (view_.starts_with(byte_order_mark)) view_.remove_prefix(byte_order_mark.size());
   if (auto converted = utf16_as_utf8(view_)) {
     converted_ = *std::move(converted);

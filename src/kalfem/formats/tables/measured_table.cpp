@@ -93,6 +93,7 @@ private:
     with_first.insert(with_first.end(), sample.begin(), sample.end());
     decimal_ = find_decimal(with_first, separator_);
     find_line_end(sample.front());
+    require_columns(split_cells(sample.front().text, separator_).size(), path_, sample.front().number);
     for (const auto cell : cells_of(sample.front()))
       contents_.push_back(is_number(cell) || is_missing_value(cell) ? Content::number
                           : parse_date_time(cell)                   ? Content::stamp

@@ -4,14 +4,13 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <utility>
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/text.hpp"
 #include "kalfem/base/units.hpp"
+#include "kalfem/formats/mapped_file.hpp"
 #include "kalfem/records/time_stamps.hpp"
 
 namespace kalfem {
@@ -69,16 +68,46 @@ std::optional<std::string> utf16_as_utf8(std::string_view bytes) {
   return utf8_of(text);
 }
 
-std::string read_text(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(path))
-    throw InvalidInput(
-        Issue{{path.string(), 0}, "the file cannot be read", "it does not exist or is not readable", "check the path"});
-  std::string text(std::istreambuf_iterator<char>(stream), {});
-  if (text.starts_with(byte_order_mark)) text.erase(0, byte_order_mark.size());
-  if (auto converted = utf16_as_utf8(text)) return *std::move(converted);
-  return text;
+namespace {
+
+std::string as_utf8(std::string_view bytes) {
+  if (bytes.starts_with(byte_order_mark)) bytes.remove_prefix(byte_order_mark.size());
+  if (auto converted = utf16_as_utf8(bytes)) return *std::move(converted);
+  return std::string(bytes);
 }
+
+}  // namespace
+
+// From each line end the last one within the next `longest_line` bytes is looked for, from behind: it is near the end.
+void require_short_lines(std::string_view text, const std::string& source) {
+  const char line_end = text.substr(0, longest_line + 1).find('\n') == std::string_view::npos ? '\r' : '\n';
+  for (std::size_t begin = 0; text.size() - begin > longest_line;) {
+    const std::size_t end = text.substr(begin, longest_line + 1).rfind(line_end);
+    if (end == std::string_view::npos)
+      throw InvalidInput(Issue{{source, static_cast<int>(std::ranges::count(text.substr(0, begin), line_end)) + 1},
+                               "the line is longer than " + std::to_string(longest_line >> 20) + " MiB",
+                               "no table or deck has such lines: the file is damaged, or it is no text",
+                               "export it again, with line ends"});
+    begin += end + 1;
+  }
+}
+
+void require_columns(std::size_t columns, const std::string& source, int line) {
+  constexpr std::size_t most = 50'000;
+  if (columns > most)
+    throw InvalidInput(Issue{{source, line},
+                             "the table has " + std::to_string(columns) + " columns",
+                             "at most " + std::to_string(most) + " channels are read",
+                             "export it with one line a sample, and fewer channels"});
+}
+
+std::string read_text(const std::filesystem::path& path) {
+  const MappedFile file(path);
+  require_short_lines(file.bytes(), path.string());
+  return as_utf8(file.bytes());
+}
+
+std::string read_content(const std::filesystem::path& path) { return as_utf8(MappedFile(path).bytes()); }
 
 std::vector<TextLine> split_lines(std::string_view text) {
   std::vector<TextLine> lines;

@@ -24,8 +24,24 @@ inline constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 /// Text in UTF-16 (with a byte-order mark, or every other byte zero) as UTF-8; nothing where it is not in UTF-16.
 std::optional<std::string> utf16_as_utf8(std::string_view bytes);
 
-/// Content of a file without a leading byte-order mark, UTF-16 as UTF-8. Throws InvalidInput when it cannot be read.
+/// Longest line that readers of text take [bytes]. A longer one is no line of a table or a deck, and what it holds
+/// would ask for many times its size of memory.
+inline constexpr std::size_t longest_line = std::size_t{4} << 20;
+
+/// Throws InvalidInput with the place of the first line that is longer than `longest_line`. Looks at the end of every
+/// few million bytes only. `source` names the file.
+void require_short_lines(std::string_view text, const std::string& source);
+
+/// Throws InvalidInput where a table has more columns than any record has channels (50,000): it may be one row of
+/// samples. `line` is that of its names or its first row.
+void require_columns(std::size_t columns, const std::string& source, int line);
+
+/// Content of a file without a leading byte-order mark, UTF-16 as UTF-8. Throws InvalidInput as RegularFile does, and
+/// where a line is longer than `longest_line`.
 std::string read_text(const std::filesystem::path& path);
+
+/// The same of a file that may hold bytes that are no text: its lines may have any length.
+std::string read_content(const std::filesystem::path& path);
 
 std::vector<TextLine> split_lines(std::string_view text);
 

@@ -1,10 +1,9 @@
 #include "kalfem/formats/universal/universal_source.hpp"
 
 #include <algorithm>
-#include <array>
-#include <fstream>
-#include <sstream>
 #include <utility>
+
+#include "kalfem/formats/tables/text_table.hpp"
 
 namespace kalfem {
 namespace {
@@ -25,37 +24,30 @@ bool is_universal_mark(std::string_view line) {
 }
 
 UniversalSource::UniversalSource(const std::filesystem::path& file)
-    : stream_(std::make_unique<std::ifstream>(file, std::ios::binary)), file_(file.string()) {
-  if (!*stream_ || std::filesystem::is_directory(file))
-    throw InvalidInput(
-        Issue{{file_, 0}, "the file cannot be read", "it does not exist or is not readable", "check the path"});
-  measure();
-}
+    : mapped_(std::make_unique<const MappedFile>(file)), bytes_(mapped_->bytes()), file_(file.string()) {}
 
 UniversalSource::UniversalSource(std::string content, std::string name)
-    : stream_(std::make_unique<std::istringstream>(std::move(content))), file_(std::move(name)) {
-  measure();
-}
-
-void UniversalSource::measure() {
-  stream_->seekg(0, std::ios::end);
-  size_ = static_cast<std::uint64_t>(std::max<std::streamoff>(0, stream_->tellg()));
-  stream_->seekg(0);
-}
+    : content_(std::make_unique<const std::string>(std::move(content))), bytes_(*content_), file_(std::move(name)) {}
 
 bool UniversalSource::next() {
   if (std::exchange(again_, false)) return true;
-  if (!std::getline(*stream_, line_)) return false;
-  cut_off_ = stream_->eof();
-  if (line_.ends_with('\r')) line_.pop_back();
-  if (number_ == 0 && line_.starts_with("\xEF\xBB\xBF")) line_.erase(0, 3);
+  if (at_ == bytes_.size()) return false;
+  const auto rest = bytes_.substr(at_, longest_line + 1);
+  const std::size_t length = std::min(rest.find('\n'), rest.size());
   ++number_;
+  if (length > longest_line)
+    throw problem("the line is longer than " + std::to_string(longest_line >> 20) + " MiB",
+                  "no universal file has such lines: it is damaged", "export it again");
+  cut_off_ = length == rest.size();
+  line_ = rest.substr(0, length);
+  at_ += length + (cut_off_ ? 0 : 1);
+  if (line_.ends_with('\r')) line_.pop_back();
+  if (number_ == 1 && line_.starts_with(byte_order_mark)) line_.erase(0, byte_order_mark.size());
   return true;
 }
 
 void UniversalSource::rewind() {
-  stream_->clear();
-  stream_->seekg(0);
+  at_ = 0;
   number_ = 0;
   again_ = cut_off_ = false;
 }
@@ -64,28 +56,17 @@ InvalidInput UniversalSource::problem(std::string what, std::string why, std::st
   return InvalidInput(Issue{place(), std::move(what), std::move(why), std::move(fix)});
 }
 
-std::uint64_t UniversalSource::bytes_left() {
-  if (stream_->eof()) return 0;
-  return size_ - std::min(size_, static_cast<std::uint64_t>(stream_->tellg()));
-}
-
-bool UniversalSource::mark_follows(std::uint64_t bytes) {
-  const std::uint64_t left = bytes_left();
-  if (bytes >= left) return false;
-  const auto here = stream_->tellg();
-  std::array<char, 32> buffer{};
-  stream_->seekg(static_cast<std::streamoff>(bytes), std::ios::cur);
-  stream_->read(buffer.data(), buffer.size());
-  std::string_view text(buffer.data(), static_cast<std::size_t>(stream_->gcount()));
-  stream_->clear();
-  stream_->seekg(here);
+bool UniversalSource::mark_follows(std::uint64_t bytes) const {
+  constexpr std::size_t looked_at = 32;
+  if (bytes >= bytes_left()) return false;
+  std::string_view text = bytes_.substr(at_ + bytes, looked_at);
   text.remove_prefix(std::min(text.find_first_not_of(" \r\n"), text.size()));
   return text.starts_with("-1") && text.substr(2).find_first_not_of(" \r") == text.substr(2).find('\n');
 }
 
 std::string UniversalSource::take(std::uint64_t bytes) {
-  std::string content(bytes, '\0');
-  stream_->read(content.data(), static_cast<std::streamsize>(bytes));
+  std::string content(bytes_.substr(at_, bytes));
+  at_ += content.size();
   number_ += static_cast<int>(std::ranges::count(content, '\n'));
   return content;
 }

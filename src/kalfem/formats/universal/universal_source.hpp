@@ -2,12 +2,12 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <istream>
 #include <memory>
 #include <string>
 #include <string_view>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/formats/mapped_file.hpp"
 
 namespace kalfem {
 
@@ -15,7 +15,7 @@ namespace kalfem {
 /// column of samples stands further to the right.
 bool is_universal_mark(std::string_view line);
 
-/// Lines and bytes of a universal file, one after the other: the file is never held as a whole.
+/// Lines and bytes of a universal file, one after the other. The file stays on the disk.
 class UniversalSource {
 public:
   /// Throws InvalidInput where the file cannot be read.
@@ -23,7 +23,8 @@ public:
   /// The same of text in memory; `name` stands for the file in messages.
   UniversalSource(std::string content, std::string name);
 
-  /// Moves on to the next line, without its end. False where the file ends.
+  /// Moves on to the next line, without its end. False where the file ends. Throws InvalidInput where the line is
+  /// longer than `longest_line`.
   bool next();
   /// Goes back before the first line.
   void rewind();
@@ -38,18 +39,18 @@ public:
   [[nodiscard]] InvalidInput problem(std::string what, std::string why = {}, std::string fix = {}) const;
 
   /// Bytes after the current line.
-  [[nodiscard]] std::uint64_t bytes_left();
+  [[nodiscard]] std::uint64_t bytes_left() const { return bytes_.size() - at_; }
   /// Whether so many bytes further on an end mark stands, after line breaks and blanks or at once.
-  bool mark_follows(std::uint64_t bytes);
+  [[nodiscard]] bool mark_follows(std::uint64_t bytes) const;
   /// Takes bytes, which may hold anything. There must be so many.
   std::string take(std::uint64_t bytes);
 
 private:
-  void measure();
-
-  std::unique_ptr<std::istream> stream_;
+  std::unique_ptr<const MappedFile> mapped_;
+  std::unique_ptr<const std::string> content_;  ///< of text in memory
+  std::string_view bytes_;                      ///< all
+  std::size_t at_ = 0;                          ///< behind the current line
   std::string file_, line_;
-  std::uint64_t size_ = 0;
   int number_ = 0;
   bool again_ = false, cut_off_ = false;
 };

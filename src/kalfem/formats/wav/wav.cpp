@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/regular_file.hpp"
 #include "kalfem/formats/mapped_file.hpp"
 #include "kalfem/formats/matrices/entries.hpp"
 #include "kalfem/formats/wav/wav_blocks.hpp"
@@ -91,6 +92,7 @@ struct Close {
 using Sound = std::unique_ptr<SNDFILE, Close>;
 
 Sound open(const std::filesystem::path& path, SF_INFO& info) {
+  require_regular_file(path);
   Sound sound(sf_open(path.c_str(), SFM_READ, &info));
   if (!sound) refuse(path, "the WAV file cannot be read", sf_strerror(nullptr));
   const int kind = info.format & SF_FORMAT_TYPEMASK;
@@ -103,9 +105,9 @@ Sound open(const std::filesystem::path& path, SF_INFO& info) {
 
 /// Channels x samples, block by block: what a header states is not believed before it is read.
 std::vector<std::vector<double>> read_samples(SNDFILE* sound, int channels) {
-  constexpr sf_count_t block = 1 << 16;
+  const sf_count_t block = std::max<sf_count_t>(1, (1 << 20) / channels);
   std::vector<std::vector<double>> samples(static_cast<std::size_t>(channels));
-  std::vector<double> frames(static_cast<std::size_t>(channels) * block);
+  std::vector<double> frames(static_cast<std::size_t>(channels) * static_cast<std::size_t>(block));
   while (true) {
     const sf_count_t count = sf_readf_double(sound, frames.data(), block);
     if (count <= 0) return samples;
