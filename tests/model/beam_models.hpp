@@ -1,5 +1,6 @@
 #pragma once
 
+#include "kalfem/model/assembly/assembly.hpp"
 #include "model/fe_models.hpp"
 
 namespace kalfem::test {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/model/assembly/rigid_body.hpp"
 #include "model/beam_models.hpp"
 
 namespace kalfem {

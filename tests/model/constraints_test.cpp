@@ -1,4 +1,5 @@
 #include "kalfem/model/assembly/constraints.hpp"
+#include "kalfem/model/assembly/assembly.hpp"
 
 #include <gtest/gtest.h>
 
@@ -271,6 +272,13 @@ TEST(Connectivity, PartsAreFoundAndNamed) {
   sprung.springs[0].to = NodalDof{4, 0};
   bound.constraints = {{"c", {{{3, 0}, 1.0}, {{4, 0}, -1.0}}}};
   for (const auto& joined : {tied, sprung, bound}) EXPECT_NO_THROW(require_connected(joined));
+  // Parts that each are held, or that something outside joins, are legitimate.
+  auto held = model;
+  held.fixed = {fix("wall", {0})};
+  EXPECT_THROW(require_connected(held), InvalidInput);
+  EXPECT_TRUE(require_connected(held, {5}));
+  held.fixed = {fix("walls", {0, 5})};
+  EXPECT_FALSE(require_connected(held));
 }
 
 TEST(Mechanisms, SoundModelsHaveNone) {

@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include "base/absent.hpp"
 #include "base/data_folder.hpp"
+#include "kalfem/model/assembly/assembly.hpp"
 #include "kalfem/model/assembly/fe_linear_model.hpp"
 #include "model/fe_models.hpp"
 

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "kalfem/model/gauges/gauge_placement.hpp"
 #include "kalfem/model/gauges/nearest_place.hpp"
 #include "model/fe_models.hpp"

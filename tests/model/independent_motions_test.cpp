@@ -1,6 +1,9 @@
 // Motions that links make dependent, chosen as coordinates: the same structure in other coordinates.
 #include <gtest/gtest.h>
 
+#include "kalfem/linalg/lowest_modes.hpp"
+#include "kalfem/model/assembly/assembly.hpp"
+#include "kalfem/model/assembly/rigid_body.hpp"
 #include "kalfem/model/assembly/rigid_motion.hpp"
 #include "model/fe_models.hpp"
 

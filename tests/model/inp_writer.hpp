@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 
+#include "base/places.hpp"
 #include "kalfem/formats/gmsh/gmsh.hpp"
 #include "kalfem/model/finite_element_model.hpp"
 
@@ -20,7 +21,7 @@ inline constexpr double lift = 100.0;    ///< of soft vertical ones, so that not
 /// The vehicle's frame on springs at its four suspension points.
 inline FiniteElementModel frame(const std::string& mesh = "frame.msh") {
   FiniteElementModel model;
-  model.mesh = read_gmsh(std::string(KALFEM_SOURCE_DIR) + "/examples/vehicle/" + mesh);
+  model.mesh = read_gmsh(test::source_folder() + "/examples/vehicle/" + mesh);
   model.materials["steel"] = {2.1e11, 0.3, 7850.0};
   for (const auto& [region, thickness] : thicknesses) model.properties[region] = ShellProperty{"steel", thickness};
   for (const std::string point : {"p1", "p2", "p3", "p4"})

@@ -1,8 +1,10 @@
 #include "kalfem/model/checks/model_check.hpp"
+#include "kalfem/model/assembly/assembly.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "kalfem/model/mesh/connectivity.hpp"
 #include "model/fe_models.hpp"

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "kalfem/model/assembly/assembly.hpp"
 #include "kalfem/model/assembly/fe_linear_model.hpp"
 #include "kalfem/model/parameterised_model.hpp"
 #include "model/fe_models.hpp"

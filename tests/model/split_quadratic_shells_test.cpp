@@ -1,4 +1,5 @@
 #include "kalfem/model/mesh/split_quadratic_shells.hpp"
+#include "kalfem/model/assembly/assembly.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +8,7 @@
 
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/model/mesh/laminate_theory.hpp"
+#include "kalfem/model/assembly/rigid_body.hpp"
 #include "model/fe_models.hpp"
 
 namespace kalfem {

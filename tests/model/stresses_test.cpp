@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 #include "kalfem/model/elements/solid.hpp"
 #include "kalfem/model/statics/statics.hpp"

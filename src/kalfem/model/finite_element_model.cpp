@@ -54,7 +54,8 @@ private:
   void check_shape(const std::string& region, const RegionProperty& property);
   void check_directions(const std::string& region, const RegionProperty& property, std::size_t cells);
   void check_laminate(const std::string& region, const LaminateProperty& laminate);
-  void check_section(const std::string& region, const BeamProperty& beam);
+  void check_section(const std::string& region, const BeamSection& section);
+  void check_beam(const std::string& region, const BeamProperty& beam);
   void check_regions();
   void check_overlaps();
   void check_masses();
@@ -135,15 +136,15 @@ void Validator::check_property(const std::string& region, const RegionProperty& 
   if (const auto* shell = std::get_if<ShellProperty>(&property); shell && !is_positive(shell->thickness))
     add("region '" + region + "' has the thickness " + shortest(shell->thickness),
         "a thickness must be positive and finite", "give it in m");
-  if (const auto* beam = std::get_if<BeamProperty>(&property)) check_section(region, *beam);
+  if (const auto* beam = std::get_if<BeamProperty>(&property)) check_beam(region, *beam);
 }
 
 // A, B and D together must be positive definite, not each alone: a large coupling B can make a laminate unstable
 // although A and D are sound.
 void Validator::check_laminate(const std::string& region, const LaminateProperty& laminate) {
-  if (!is_positive(laminate.mass))
+  if (!(laminate.mass >= 0.0) || !std::isfinite(laminate.mass))
     add("the cross-section of region '" + region + "' has the mass " + shortest(laminate.mass),
-        "dynamics need a mass for every region", "give it in kg/m^2");
+        "a mass must be finite and not negative", "give it in kg/m^2");
   Matrix6 joined;
   joined << laminate.stiffness.membrane, laminate.stiffness.coupling, laminate.stiffness.coupling,
       laminate.stiffness.bending;
@@ -197,8 +198,7 @@ void Validator::check_directions(const std::string& region, const RegionProperty
 
 // A shear factor of 0 stands for a beam without shear deformation (Euler-Bernoulli), so it is allowed. Area and
 // second moments are not: a zero would leave a motion of the beam without stiffness.
-void Validator::check_section(const std::string& region, const BeamProperty& beam) {
-  const auto& section = beam.section;
+void Validator::check_section(const std::string& region, const BeamSection& section) {
   for (const auto& [what, value] : {std::pair{"area", section.area},
                                     {"inertia_y", section.inertia_y},
                                     {"inertia_z", section.inertia_z},
@@ -210,6 +210,17 @@ void Validator::check_section(const std::string& region, const BeamProperty& bea
     if (!(value >= 0.0) || !std::isfinite(value))
       add("the section of region '" + region + "' has the shear factor " + shortest(value),
           "a shear factor must be positive, or 0 for a beam that is rigid in shear");
+}
+
+void Validator::check_beam(const std::string& region, const BeamProperty& beam) {
+  check_section(region, beam.section);
+  for (const auto& station : beam.stations) check_section(region, station.section);
+  const bool in_order = std::ranges::adjacent_find(beam.stations, std::ranges::greater_equal{}, &BeamStation::place) ==
+                        beam.stations.end();
+  if (!beam.stations.empty() && (beam.stations.size() < 2 || beam.stations.front().place != 0.0 ||
+                                 beam.stations.back().place != 1.0 || !in_order))
+    add("the stations of region '" + region + "' do not lead from the first end of the beam to the second",
+        "their places must ascend from 0 to 1", "correct their places");
   for (const auto& placement : beam.placements)
     if (!placement.up.allFinite() || !placement.offsets.allFinite()) {
       add("'up' or 'offset' of region '" + region + "' is not finite", "both must be vectors of finite numbers");

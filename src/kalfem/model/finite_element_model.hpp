@@ -56,6 +56,7 @@ struct JointSpring {
   std::vector<std::pair<NodalDof, double>> deformation;
   double stiffness = 0.0;  ///< [N/m] or [N m/rad]
   double damping = 0.0;    ///< [N s/m] or [N m s/rad]
+  bool is_bar = false;     ///< along the line between two nodes and turning with it: an axial force stiffens it across
 };
 
 /// Matrices between degrees of freedom as they are: from another code, or a body of six masses and products. Empty ones
@@ -122,6 +123,9 @@ struct FiniteElementModel {
   std::vector<WeightedLink> weighted_links;
   std::vector<MultiPointConstraint> constraints;
   std::vector<FixedNodes> fixed;
+  /// Nodes amid the sides of quadratic shells that linear ones replace, and the two corners beside each. A force on one
+  /// acts as on the quadratic side, see nodal_forces().
+  std::map<Eigen::Index, std::array<Eigen::Index, 2>> side_middles;
   MassKind mass_kind = MassKind::consistent;
 };
 

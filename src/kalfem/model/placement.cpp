@@ -112,8 +112,11 @@ private:
     for (auto& matrices : model_.matrices)
       if (!hold_whole_nodes(matrices))
         for (auto& dof : matrices.dofs) visit(dof.node);
-    for (auto& load_case : load_cases_)
+    for (auto& load_case : load_cases_) {
       for (auto& motion : load_case.imposed) visit(motion.dof.node);
+      for (auto* support : supports_of(load_case))
+        if (!is_whole(support->directions)) std::ranges::for_each(support->nodes, visit);
+    }
   }
 
   void move_to_local_nodes() {
@@ -128,6 +131,9 @@ private:
     visit_single_directions(move);
     for (auto& support : model_.fixed)
       if (is_whole(support.directions)) std::ranges::for_each(support.nodes, move);
+    for (auto& load_case : load_cases_)
+      for (auto* support : supports_of(load_case))
+        if (is_whole(support->directions)) std::ranges::for_each(support->nodes, move);
     const auto led = dofs_led_by_links();
     for (const auto& [node, own] : local)
       for (int direction = 0; direction < 6; ++direction)
@@ -135,6 +141,13 @@ private:
             led.contains({node, direction})
                 ? following(model_.mesh, {own, direction}, node, turn_.col(direction % 3))
                 : following(model_.mesh, {node, direction}, own, turn_.row(direction % 3).transpose()));
+  }
+
+  static std::vector<FixedNodes*> supports_of(LoadCase& load_case) {
+    std::vector<FixedNodes*> supports;
+    if (load_case.supports)
+      for (auto& support : *load_case.supports) supports.push_back(&support);
+    return supports;
   }
 
   [[nodiscard]] std::set<NodalDof> dofs_led_by_links() const {
@@ -214,6 +227,8 @@ private:
       load.force = turn_ * load.force;
       load.moment = turn_ * load.moment;
     }
+    for (auto& beam : load_case.beam_loads)
+      for (const Index i : {0, 3, 6, 9}) beam.forces.segment<3>(i) = (turn_ * beam.forces.segment<3>(i)).eval();
     load_case.gravity = turn_ * load_case.gravity;
     if (auto& rotation = load_case.rotation) {
       rotation->axis = turn_ * rotation->axis;

@@ -38,14 +38,22 @@ struct PropertyConverter {
     laminate.rotary_inertia *= unit.mass;
     laminate.offset *= unit.length;
   }
-  void operator()(BeamProperty& beam) const {
-    auto& section = beam.section;
+  void operator()(BeamSection& section) const {
     section.area *= unit.area;
     for (double* inertia : {&section.inertia_y, &section.inertia_z, &section.torsion, &section.product_yz})
       *inertia *= unit.inertia;
     section.centroid *= unit.length;
     for (auto& corner : section.outline.corners) corner *= unit.length;
     section.outline.radius *= unit.length;
+  }
+  void operator()(BeamProperty& beam) const {
+    (*this)(beam.section);
+    for (auto& station : beam.stations) {
+      (*this)(station.section);
+      station.nonstructural_mass *= unit.mass / unit.length;
+      station.nonstructural_inertia *= unit.mass * unit.length;
+      station.nonstructural_centre *= unit.length;
+    }
     for (auto& placement : beam.placements) placement.offsets *= unit.length;
     beam.nonstructural_mass *= unit.mass / unit.length;
     beam.nonstructural_centre *= unit.length;
@@ -119,7 +127,16 @@ void to_si(LoadCase& load_case, const UnitSystem& units) {
     load.force *= unit.force;
     load.moment *= unit.force * unit.length;
   }
+  for (auto& beam : load_case.beam_loads)
+    for (const Eigen::Index end : {0, 6}) {
+      beam.forces.segment<3>(end) *= unit.force;
+      beam.forces.segment<3>(end + 3) *= unit.force * unit.length;
+    }
   for (auto& pressure : load_case.pressures) pressure.pressure *= unit.pressure;
+  if (auto& rotation = load_case.rotation) {
+    rotation->about *= unit.length;
+    rotation->speed /= units.time;
+  }
   load_case.gravity *= unit.length / (units.time * units.time);
   for (auto& motion : load_case.imposed)
     if (motion.dof.direction < 3) motion.value *= unit.length;

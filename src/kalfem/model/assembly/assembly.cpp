@@ -8,6 +8,7 @@
 #include "kalfem/model/assembly/constraints.hpp"
 #include "kalfem/model/assembly/matrix_sums.hpp"
 #include "kalfem/model/assembly/rigid_motion.hpp"
+#include "kalfem/model/assembly/shell_edges.hpp"
 #include "kalfem/model/elements/beam.hpp"
 #include "kalfem/model/elements/shell.hpp"
 #include "kalfem/model/elements/solid.hpp"
@@ -33,20 +34,22 @@ Eigen::Matrix<double, 3, columns> corners(const Mesh& mesh, const Cell& cell) {
 struct ElementMaker {
   const FiniteElementModel& model;
   const Cell& cell;
+  const DrillingOptions& drilling;
   std::size_t place;  ///< of the cell in its region
   const std::vector<BeamPart>& parts;
 
   ElementMatrices operator()(const ShellProperty& shell) const {
     const double nu = model.materials.at(shell.material).poissons_ratio;
-    return cell.shape == CellShape::triangle3 ? shell3(corners<3>(model.mesh, cell), nu, shell, model.mass_kind)
-                                              : shell4(corners<4>(model.mesh, cell), nu, shell, model.mass_kind);
+    return cell.shape == CellShape::triangle3
+               ? shell3(corners<3>(model.mesh, cell), nu, shell, model.mass_kind, drilling)
+               : shell4(corners<4>(model.mesh, cell), nu, shell, model.mass_kind, drilling);
   }
   ElementMatrices operator()(const BeamProperty& property) const {
     const double nu = model.materials.at(property.material).poissons_ratio;
     return beam(corners<2>(model.mesh, cell), property, property.placement(place), nu, model.mass_kind, parts);
   }
   ElementMatrices operator()(const LaminateProperty& property) const {
-    return laminate(all_nodes(), property, property.direction(place), model.mass_kind);
+    return laminate(all_nodes(), property, property.direction(place), model.mass_kind, drilling);
   }
   ElementMatrices operator()(const SolidProperty& property) const {
     const double nu = model.materials.at(property.material).poissons_ratio;
@@ -126,6 +129,7 @@ public:
             const Values* present)
       : rigid_mass(model.mesh),
         model_(model),
+        edges_(model),
         transform_(elimination.transform),
         factors_(factors),
         present_(present) {}
@@ -171,10 +175,11 @@ private:
     return model_.mesh.cells[static_cast<std::size_t>(index)];
   }
 
-  /// Targets of the row `row` of a small matrix that stands at the position `all` among all degrees of freedom.
-  void append_targets(int row, Eigen::Index all, Scatter& scatter) const {
+  /// Targets of the row `row` of a small matrix that stands, times `share`, at the position `all` among all degrees of
+  /// freedom.
+  void append_targets(int row, Eigen::Index all, Scatter& scatter, double share = 1.0) const {
     for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(transform_, all); it; ++it)
-      scatter.push_back({row, static_cast<int>(it.col()), it.value()});
+      scatter.push_back({row, static_cast<int>(it.col()), share * it.value()});
   }
 
   template <typename Nodes>
@@ -183,6 +188,12 @@ private:
     int row = 0;
     for (const auto node : nodes)
       for (int direction = 0; direction < motions; ++direction) append_targets(row++, 6 * node + direction, scatter);
+  }
+
+  /// Of the motions of a cell's corners, to which more than those of its nodes may add.
+  void stiffness_scatter_of(Eigen::Index index, int motions, Scatter& scatter) const {
+    scatter_of(model_.mesh.nodes_of(cell(index)), motions, scatter);
+    for (const auto& [row, dof, share] : edges_.shares(index)) append_targets(row, dof, scatter, share);
   }
 
   static void append(const Scatter& scatter, const Eigen::MatrixXd& matrix, Triplets& triplets) {
@@ -218,6 +229,7 @@ private:
   }
 
   const FiniteElementModel& model_;
+  const ShellEdges edges_;
   const Eigen::SparseMatrix<double, Eigen::RowMajor>& transform_;
   const Values& factors_;
   const Values* present_;
@@ -227,7 +239,7 @@ SparseSumPattern Assembler::pattern_of(const std::vector<Eigen::Index>& cells, i
   Scatter scatter;
   return {transform_.cols(), [&](const SparseSumPattern::Visitor& visit) {
             for (const auto index : cells) {
-              scatter_of(model_.mesh.nodes_of(cell(index)), motions, scatter);
+              stiffness_scatter_of(index, motions, scatter);
               visit(scatter);
             }
           }};
@@ -256,9 +268,10 @@ void Assembler::add_region(const std::string& region, const RegionProperty& prop
   std::vector<std::pair<Eigen::Index, std::string>> bad;
   for (std::size_t i = 0; i < cells.size(); ++i) try {
       const auto& each = cell(cells[i]);
-      const auto matrices = std::visit(ElementMaker{model_, each, i, parts}, property);
-      scatter_of(model_.mesh.nodes_of(each), motions, scatter);
+      const auto matrices = std::visit(ElementMaker{model_, each, edges_.drilling(cells[i]), i, parts}, property);
+      stiffness_scatter_of(cells[i], motions, scatter);
       add_terms(matrices.stiffness, stiffness_sums);
+      scatter_of(model_.mesh.nodes_of(each), motions, scatter);
       add_terms(matrices.mass, mass_sums);
       for (const auto& term : matrices.mass)
         rigid_sums.try_emplace(term.powers, Matrix6::Zero()).first->second +=
@@ -391,6 +404,11 @@ void require_own_names(const Values& factors, const Values& values, const std::s
   issues.raise();
 }
 
+FiniteElementModel without_supports(FiniteElementModel model) {
+  model.fixed.clear();
+  return model;
+}
+
 Values present_values(const FiniteElementModel& model) {
   Values values;
   for (const auto& [region, property] : model.properties) {
@@ -424,7 +442,9 @@ Values beam_factors(const FiniteElementModel& model) {
 
 AssembledModel assemble(const FiniteElementModel& model, const AssemblyOptions& options) {
   if (auto issues = validate(model); !issues.empty()) throw InvalidInput(std::move(issues));
-  auto elimination = eliminate(model, touched_dofs(model), options.independent);
+  auto elimination = options.release_supports
+                         ? eliminate(without_supports(model), touched_dofs(model), options.independent)
+                         : eliminate(model, touched_dofs(model), options.independent);
   auto values = present_values(model);
   const auto factors = asked_factors(model, options);
   require_own_names(factors, values, model.mesh.source);

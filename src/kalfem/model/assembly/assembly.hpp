@@ -19,6 +19,8 @@ struct AssemblyOptions {
   std::vector<std::string> parameters = {};
   /// Degrees of freedom that shall be free although links or constraints let them follow others, see eliminate().
   std::vector<NodalDof> independent = {};
+  /// Leaves free what the model's supports hold; its shells are those of the supported model, see ShellEdges.
+  bool release_supports = false;
   /// One term each for K and M, at the present values of the parameters, where none of them will change.
   bool at_present_values = false;
 };

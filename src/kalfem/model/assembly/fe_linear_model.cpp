@@ -42,10 +42,10 @@ void check(const FiniteElementModel& model, const std::vector<NamedNode>& points
   issues.raise();
 }
 
-/// Coefficients of each row of the expansion that belongs to a named node.
+/// Coefficients of each row of the expansion that belongs to a named node. A node named by its number, "n5", has the
+/// names of its degrees of freedom: a reduction keeps it as a point where these go.
 std::map<std::string, DofCombination> named_points(const std::vector<NamedNode>& points, const SparseMatrix& expansion,
                                                    const std::vector<std::string>& dofs) {
-  const std::set<std::string> own(dofs.begin(), dofs.end());
   const Eigen::SparseMatrix<double, Eigen::RowMajor> rows = expansion;
   std::map<std::string, DofCombination> combinations;
   for (const auto& [name, node, distance] : points)
@@ -54,7 +54,7 @@ std::map<std::string, DofCombination> named_points(const std::vector<NamedNode>&
       DofCombination combination;
       for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(rows, 6 * node + direction); it; ++it)
         combination[dofs[static_cast<std::size_t>(it.col())]] = it.value();
-      if (!combination.empty() && !own.contains(point)) combinations[point] = std::move(combination);
+      if (!combination.empty()) combinations[point] = std::move(combination);
     }
   return combinations;
 }

@@ -7,6 +7,7 @@
 #include "kalfem/linalg/sparse_factor.hpp"
 #include "kalfem/model/assembly/rigid_motion.hpp"
 #include "kalfem/model/finite_element_model.hpp"
+#include "kalfem/model/mesh/connectivity.hpp"
 
 namespace kalfem {
 namespace {
@@ -17,6 +18,11 @@ std::vector<Eigen::Index> nodes_of_set(const Mesh& mesh, const std::string& name
 }
 
 }  // namespace
+
+bool has_only_scalar_points(const FiniteElementModel& model) {
+  const auto count = static_cast<Eigen::Index>(nodes_of_set(model.mesh, scalar_points).size());
+  return count > 0 && count == model.mesh.node_count();
+}
 
 Eigen::MatrixXd rigid_body_modes(const FiniteElementModel& model, const AssembledModel& assembled,
                                  const Eigen::Vector3d& centre) {
@@ -32,8 +38,17 @@ Eigen::MatrixXd rigid_body_modes(const FiniteElementModel& model, const Assemble
 
 Eigen::Vector3d moving_mass(const FiniteElementModel& model, const AssembledModel& assembled,
                             const SparseMatrix& mass) {
+  if (has_only_scalar_points(model)) return Eigen::Vector3d::Constant(mass.sum());
   const Eigen::MatrixXd translations = rigid_body_modes(model, assembled).leftCols<3>();
   return (translations.transpose() * (mass * translations)).diagonal();
+}
+
+MassProperties mass_properties(const FiniteElementModel& model, const AssembledModel& assembled,
+                               const SparseMatrix& mass) {
+  if (!has_only_scalar_points(model)) return mass_properties(assembled);
+  MassProperties properties;
+  properties.mass = mass.sum();
+  return properties;
 }
 
 MassProperties mass_properties(const AssembledModel& assembled) {
@@ -76,6 +91,7 @@ Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& columns) {
 
 /// Combinations of orthonormal columns with a Rayleigh quotient below `strainless`; `forces` are the matrix times them.
 Eigen::MatrixXd without_strain(const Eigen::MatrixXd& basis, const Eigen::MatrixXd& forces) {
+  if (basis.cols() == 0) return basis;  // of scalar points, which have no rigid-body motions
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz(Eigen::MatrixXd(basis.transpose() * forces));
   const auto count = (ritz.eigenvalues().array() < strainless).count();
   return basis * ritz.eigenvectors().leftCols(count);
@@ -100,6 +116,7 @@ Eigen::MatrixXd null_space(const SparseMatrix& matrix) {
 
 /// Orthonormal basis of the rigid-body motions, n x 6.
 Eigen::MatrixXd independent(const Eigen::MatrixXd& motions) {
+  if (motions.isZero(0.0)) return Eigen::MatrixXd(motions.rows(), 0);  // of scalar points
   // Points on one line do not move when they turn about it: such a column has no length of its own.
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(unit_columns(motions));
   qr.setThreshold(1e-9);
@@ -121,6 +138,22 @@ std::vector<Eigen::Index> leading_rows(const Eigen::MatrixXd& columns) {
   return {order.data(), order.data() + columns.cols()};
 }
 
+/// The six motions of each part alone, n x 6 parts.
+Eigen::MatrixXd by_parts(const FiniteElementModel& model, const AssembledModel& assembled,
+                         const Eigen::MatrixXd& of_whole) {
+  const auto parts = connected_parts(model);
+  std::vector<Eigen::Index> part_of(static_cast<std::size_t>(model.mesh.node_count()), 0);
+  for (std::size_t part = 0; part < parts.size(); ++part)
+    for (const auto node : parts[part]) part_of[static_cast<std::size_t>(node)] = static_cast<Eigen::Index>(part);
+  const auto count = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(parts.size()));
+  Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(assembled.size(), 6 * count);
+  for (Eigen::Index i = 0; i < assembled.size(); ++i) {
+    const auto node = static_cast<std::size_t>(assembled.dofs[static_cast<std::size_t>(i)].node);
+    motions.block<1, 6>(i, 6 * part_of[node]) = of_whole.row(i);
+  }
+  return motions;
+}
+
 /// Coordinates in which K has a unit diagonal. Degrees of freedom without stiffness stay apart.
 struct UnitDiagonal {
   explicit UnitDiagonal(const SparseMatrix& stiffness) : diagonal(stiffness.diagonal()) {
@@ -130,8 +163,10 @@ struct UnitDiagonal {
   }
 
   /// Orthonormal basis of the rigid-body motions in these coordinates, D^1/2 R.
-  [[nodiscard]] Eigen::MatrixXd rigid(const FiniteElementModel& model, const AssembledModel& assembled) const {
-    Eigen::MatrixXd motions = root.asDiagonal() * rigid_body_modes(model, assembled);
+  [[nodiscard]] Eigen::MatrixXd rigid(const FiniteElementModel& model, const AssembledModel& assembled,
+                                      bool each_part) const {
+    const Eigen::MatrixXd of_whole = rigid_body_modes(model, assembled);
+    Eigen::MatrixXd motions = root.asDiagonal() * (each_part ? by_parts(model, assembled, of_whole) : of_whole);
     for (const auto i : without) motions.row(i).setZero();
     return independent(motions);
   }
@@ -144,13 +179,13 @@ struct UnitDiagonal {
 }  // namespace
 
 std::vector<std::string> find_mechanisms(const FiniteElementModel& model, const AssembledModel& assembled,
-                                         const SparseMatrix& stiffness) {
+                                         const SparseMatrix& stiffness, bool each_part) {
   if (assembled.size() == 0) return {};
   const UnitDiagonal scale(stiffness);
   std::vector<Eigen::Index> rows = scale.without;
   try {
     const SparseMatrix scaled = with_unit_diagonal(stiffness, scale.root.cwiseInverse(), scale.diagonal);
-    const Eigen::MatrixXd rigid = scale.rigid(model, assembled);
+    const Eigen::MatrixXd rigid = scale.rigid(model, assembled, each_part);
     for (const auto row : leading_rows(beside(null_space(scaled), without_strain(rigid, scaled * rigid))))
       rows.push_back(row);
   } catch (const NotPositiveDefinite& error) {
@@ -169,11 +204,11 @@ std::vector<std::string> find_mechanisms(const FiniteElementModel& model, const 
 }
 
 std::optional<StiffnessFactor> factor_held(const FiniteElementModel& model, const AssembledModel& assembled,
-                                           const SparseMatrix& stiffness, const SparseMatrix& mass) {
+                                           const SparseMatrix& stiffness, const SparseMatrix& mass, bool each_part) {
   const UnitDiagonal scale(stiffness);
   if (!scale.without.empty()) return {};
   const auto unscaled = scale.root.cwiseInverse().asDiagonal();
-  const Eigen::MatrixXd rigid = scale.rigid(model, assembled);
+  const Eigen::MatrixXd rigid = scale.rigid(model, assembled, each_part);
   const Eigen::MatrixXd forces = unscaled * (stiffness * (unscaled * rigid).eval());
   return factor_held(stiffness, mass, unscaled * without_strain(rigid, forces));
 }

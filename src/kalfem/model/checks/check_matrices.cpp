@@ -30,6 +30,22 @@ double largest_entry(const SparseMatrix& matrix) {
   return largest;
 }
 
+/// Largest |A_ij - A_ji|. Both are walked side by side where A has a symmetric pattern, without the memory of their
+/// difference.
+double largest_asymmetry(const SparseMatrix& matrix) {
+  const SparseMatrix turned = matrix.transpose();
+  double largest = 0.0;
+  for (Index j = 0; j < matrix.cols(); ++j) {
+    SparseMatrix::InnerIterator one(matrix, j), other(turned, j);
+    while (one && other && one.row() == other.row()) {
+      largest = std::max(largest, std::abs(one.value() - other.value()));
+      ++one, ++other;
+    }
+    if (one || other) return largest_entry(SparseMatrix(matrix - turned));
+  }
+  return largest;
+}
+
 }  // namespace
 
 std::string to_string(double value) {
@@ -86,7 +102,7 @@ MatrixCheck check_matrix(const SparseMatrix& matrix, const std::string& name, Fi
           {Severity::error, topic, "the " + name + " is zero", "there are no modes", "check the input files"});
     return report;
   }
-  report.asymmetry = largest_entry(SparseMatrix(matrix - SparseMatrix(matrix.transpose()))) / largest;
+  report.asymmetry = largest_asymmetry(matrix) / largest;
   if (report.asymmetry > visible_asymmetry)
     findings.push_back({Severity::error, topic,
                         "the " + name + " is not symmetric: entries differ by " + to_string(report.asymmetry) +
@@ -162,9 +178,10 @@ std::vector<std::string> tell_grounding(const GroundingCheck& grounding, bool su
 
 // Signs of wrong offsets and units: a centre of mass outside the box, moments of inertia that no body has.
 void tell_mass(const MassProperties& mass, const Eigen::Vector3d& moving, const Eigen::Vector3d& lowest,
-               const Eigen::Vector3d& highest, std::vector<ModelFinding>& findings) {
+               const Eigen::Vector3d& highest, bool needed, std::vector<ModelFinding>& findings) {
   if (!(moving.maxCoeff() > 0.0)) {
-    findings.push_back({Severity::error, Topic::mass, "no moving degree of freedom has mass", "there are no modes",
+    findings.push_back({needed ? Severity::error : Severity::note, Topic::mass, "no moving degree of freedom has mass",
+                        needed ? "there are no modes" : "statics need none, but gravity, rotation and modes do",
                         "give the materials a density or add masses"});
     return;
   }
@@ -293,7 +310,8 @@ void tell_zero_modes(ModelCheckReport& report) {
 
 // Box, mass and grounding need to know where the degrees of freedom are; matrices without a map go without them.
 /// Mass and supports, where the places of the degrees of freedom are known.
-void check_places(const LinearModel& model, const std::vector<PlacedDof>& places, ModelCheckReport& report) {
+void check_places(const LinearModel& model, const std::vector<PlacedDof>& places, const ModelCheckOptions& options,
+                  ModelCheckReport& report) {
   Eigen::Matrix3Xd nodes(3, static_cast<Index>(places.size()));
   Index count = 0;
   for (const auto& dof : places)
@@ -304,7 +322,7 @@ void check_places(const LinearModel& model, const std::vector<PlacedDof>& places
   report.mass = placed_mass(model.mass, places, frame.centre);
   if (report.mass)
     report::tell_mass(*report.mass, Vector3d::Constant(report.mass->mass), report.lowest, report.highest,
-                      report.findings);
+                      options.needs_mass, report.findings);
   std::vector<bool> held(places.size(), false);
   for (const auto& ground : model.grounds)
     for (Index i = 0; i < model.size(); ++i)
@@ -327,7 +345,7 @@ ModelCheckReport check_model(const LinearModel& model, const std::vector<PlacedD
       report::check_matrix(model.mass, "mass matrix", Topic::mass, options.definiteness, model.dofs, report.findings);
   report::check_massless(model.dofs, model.mass, model.stiffness, report.findings);
   if (static_cast<Index>(places.size()) == model.size() && report.stiffness_matrix.finite && report.mass_matrix.finite)
-    check_places(model, places, report);
+    check_places(model, places, options, report);
   if (report.count(Severity::error) == 0) lowest_frequencies(model, options.frequencies, report);
   tell_zero_modes(report);
   report::sort(report.findings);

@@ -244,9 +244,11 @@ void check_free_nodes(const FiniteElementModel& model, const std::vector<bool>& 
 
 // Two nodes at one place that nothing joins are mostly a crack that the mesher left. Pairs that an element, a link or a
 // spring joins on purpose are not told.
-void check_coincidence(const FiniteElementModel& model, const std::vector<bool>& touched, double part,
+void check_coincidence(const FiniteElementModel& model, std::vector<bool> touched, double part,
                        ModelCheckReport& report) {
   const Mesh& mesh = model.mesh;
+  if (const auto scalars = mesh.node_sets.find(scalar_points); scalars != mesh.node_sets.end())
+    for (const auto node : scalars->second) touched[static_cast<std::size_t>(node)] = false;  // they have no place
   const double tolerance = part * (report.highest - report.lowest).norm();
   const auto pairs = coincident_nodes(mesh.nodes, touched, tolerance);
   const auto joined = directly_joined(model, pairs);
@@ -268,10 +270,12 @@ void check_coincidence(const FiniteElementModel& model, const std::vector<bool>&
   if (report.unjoined_pairs > 0) report.findings.push_back(std::move(finding));
 }
 
-void check_parts(const FiniteElementModel& model, ModelCheckReport& report) {
+// Parts that each are held, or joined by something outside the model, such as the connectors of a case, are legitimate:
+// whether a support holds all motions of its part is a question of mechanisms.
+void check_parts(const FiniteElementModel& model, const std::vector<Index>& joined, ModelCheckReport& report) {
   const auto parts = connected_parts(model);
   for (const auto& part : parts) report.parts.push_back(static_cast<Index>(part.size()));
-  if (parts.size() < 2) return;
+  if (!has_loose_parts(model, parts, joined)) return;
   ModelFinding finding{Severity::warning, Topic::connections, "", "they move independently",
                        "merge coincident nodes, or connect the parts by links, constraints or springs"};
   std::vector<std::string> names;
@@ -302,23 +306,22 @@ std::string consequence(QualityMeasure measure) {
     case QualityMeasure::taper:
       return "such quadrilaterals are too stiff";
     case QualityMeasure::scaled_jacobian:
-      return "elements near zero are almost flat or not convex; below zero they are inside out";
+      return "elements near zero are almost flat, below zero they are folded at a corner: strains there are inaccurate";
   }
   return "";
 }
 
-// Severity follows from what the measure does: an element turned inside out is an error, many beyond a limit a warning.
+// Severity follows from what the measure does: an element that is folded at a corner, or many beyond a limit, are a
+// warning. Elements whose Jacobian is not positive at an integration point are refused by the assembly.
 void tell_quality(const Mesh& mesh, const RegionQuality& quality, const QualityLimits& limits,
                   std::vector<ModelFinding>& findings) {
   for (const auto& of : quality.measures) {
     if (of.beyond == 0) continue;
-    const bool inverted = of.measure == QualityMeasure::scaled_jacobian && of.worst <= 0.0;
+    const bool folded = of.measure == QualityMeasure::scaled_jacobian && of.worst <= 0.0;
     const bool many = of.beyond * 10 > quality.measured;
     std::vector<std::string> names;
-    ModelFinding finding{inverted ? Severity::error
-                         : many   ? Severity::warning
-                                  : Severity::note,
-                         Topic::elements, "", consequence(of.measure), "improve the mesh there"};
+    ModelFinding finding{folded || many ? Severity::warning : Severity::note, Topic::elements, "",
+                         consequence(of.measure), "improve the mesh there"};
     for (const auto cell : of.worst_cells) {
       names.push_back(cell_name(mesh, cell));
       for (const auto node : mesh.nodes_of(mesh.cells[static_cast<std::size_t>(cell)])) finding.nodes.push_back(node);
@@ -360,7 +363,7 @@ void check_connections(const FiniteElementModel& model, const ModelCheckOptions&
   const auto touched = touched_nodes(model);
   check_free_nodes(model, touched, report);
   check_coincidence(model, touched, options.coincidence, report);
-  check_parts(model, report);
+  check_parts(model, options.joined, report);
 }
 
 void check_elements(const FiniteElementModel& model, const ModelCheckOptions& options, ModelCheckReport& report) {

@@ -161,11 +161,21 @@ using Topic = FindingTopic;
 
 constexpr double follows_rigidly = 1e-6;  ///< of the size of the motion
 
+/// Which nodes are scalar points.
+std::vector<bool> scalar_nodes(const Mesh& mesh) {
+  std::vector<bool> scalar(static_cast<std::size_t>(mesh.node_count()), false);
+  if (const auto set = mesh.node_sets.find(scalar_points); set != mesh.node_sets.end())
+    for (const auto node : set->second) scalar[static_cast<std::size_t>(node)] = true;
+  return scalar;
+}
+
 std::vector<PlacedDof> placed(const FiniteElementModel& model, const std::vector<NodalDof>& dofs) {
+  const auto scalar = scalar_nodes(model.mesh);
   std::vector<PlacedDof> list;
   list.reserve(dofs.size());
   for (const auto& dof : dofs)
-    list.push_back({model.mesh.nodes.col(dof.node), dof.direction, model.mesh.axes_of(dof.node)});
+    list.push_back({model.mesh.nodes.col(dof.node), scalar[static_cast<std::size_t>(dof.node)] ? -1 : dof.direction,
+                    model.mesh.axes_of(dof.node)});
   return list;
 }
 
@@ -191,10 +201,11 @@ std::vector<bool> nodes_that_stay(const FiniteElementModel& model, const Assembl
                                   const RigidFrame& frame, const MatrixXd& motions) {
   const MatrixXd moved = assembled.expansion * motions;
   const auto named = named_dofs(model, assembled);
+  const auto scalar = scalar_nodes(model.mesh);
   std::vector<bool> stays(static_cast<std::size_t>(model.mesh.node_count()), false);
   for (std::size_t i = 0; i < named.size(); ++i) {
     const auto row = static_cast<Index>(i);
-    if (!named[i]) continue;
+    if (!named[i] || scalar[i / 6]) continue;
     const auto rigid =
         rigid_motion({model.mesh.nodes.col(row / 6), static_cast<int>(row % 6), model.mesh.axes_of(row / 6)}, frame);
     if ((moved.row(row) - rigid).cwiseAbs().maxCoeff() > follows_rigidly) stays[i / 6] = true;
@@ -233,8 +244,19 @@ Index count_fixed(const FiniteElementModel& model) {
   return static_cast<Index>(fixed.size());
 }
 
+/// K held against the rigid-body motions that strain nothing has a factor only if there are no others: the search for
+/// them is needed where it has none. A factor that is at hand shows the same.
 void find_the_mechanisms(const FiniteElementModel& model, const AssembledModel& assembled,
-                         const SparseMatrix& stiffness, ModelCheckReport& report) {
+                         const SparseMatrix& stiffness, const SparseMatrix& mass, const ModelCheckOptions& options,
+                         ModelCheckReport& report) {
+  report.factor = options.factor;
+  if (!report.factor && assembled.size() > 0)
+    if (auto factor = factor_held(model, assembled, stiffness, mass))
+      report.factor = std::make_shared<const StiffnessFactor>(std::move(*factor));
+  if (report.factor) {
+    report.stiffness_matrix.semi_definite = true;
+    return;
+  }
   try {
     report.mechanisms = find_mechanisms(model, assembled, stiffness);
     report.stiffness_matrix.semi_definite = true;
@@ -265,9 +287,10 @@ void find_the_mechanisms(const FiniteElementModel& model, const AssembledModel& 
 void check_motion(const FiniteElementModel& model, const AssembledModel& assembled, const SparseMatrix& stiffness,
                   const SparseMatrix& mass, const std::vector<std::string>& names, const ModelCheckOptions& options,
                   ModelCheckReport& report) {
-  report.mass = mass_properties(assembled);
+  report.mass = mass_properties(model, assembled, mass);
   report.moving_mass = moving_mass(model, assembled, mass);
-  report::tell_mass(*report.mass, *report.moving_mass, report.lowest, report.highest, report.findings);
+  report::tell_mass(*report.mass, *report.moving_mass, report.lowest, report.highest, options.needs_mass,
+                    report.findings);
   const RigidFrame frame = report::frame_of(report);
   const MatrixXd motions = rigid_motions(placed(model, assembled.dofs), frame);
   const auto stays = nodes_that_stay(model, assembled, frame, motions);
@@ -275,7 +298,26 @@ void check_motion(const FiniteElementModel& model, const AssembledModel& assembl
   const bool supported = report.fixed_dofs > 0 || report.grounded_dofs > 0 || std::ranges::count(stays, true) > 0;
   report.stray_dofs = report::tell_grounding(*report.grounding, supported, names, report.findings);
   if (options.mechanisms && report.stiffness_matrix.negative_diagonal == 0)
-    find_the_mechanisms(model, assembled, stiffness, report);
+    find_the_mechanisms(model, assembled, stiffness, mass, options, report);
+}
+
+/// Whether M is a sum of parts that each are positive semi-definite, as those of elements and bodies are: of matrices
+/// from elsewhere nobody knows.
+bool is_sum_of_bodies(const FiniteElementModel& model) {
+  const auto is_body = [](const PointMass& mass) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> moments(mass.inertia, Eigen::EigenvaluesOnly);
+    return mass.mass >= 0.0 && moments.eigenvalues()[0] >= -1e-12 * std::abs(moments.eigenvalues()[2]);
+  };
+  const auto adds_mass = [](const auto& property) {
+    if (const auto* shell = std::get_if<ShellProperty>(&property.second)) return shell->nonstructural_mass >= 0.0;
+    if (const auto* beam = std::get_if<BeamProperty>(&property.second)) return beam->nonstructural_mass >= 0.0;
+    const auto* laminate = std::get_if<LaminateProperty>(&property.second);
+    return laminate == nullptr || (laminate->mass >= 0.0 && laminate->rotary_inertia >= 0.0);
+  };
+  const auto has_density = [](const auto& material) { return material.second.density >= 0.0; };
+  const auto has_mass = [](const NodalMatrices& matrices) { return matrices.mass.nonZeros() > 0; };
+  return std::ranges::all_of(model.masses, is_body) && std::ranges::all_of(model.materials, has_density) &&
+         std::ranges::all_of(model.properties, adds_mass) && std::ranges::none_of(model.matrices, has_mass);
 }
 
 }  // namespace
@@ -297,6 +339,13 @@ Index ModelCheckReport::count(FindingSeverity severity) const {
 
 ModelCheckReport check_model(const FiniteElementModel& model, const AssembledModel& assembled,
                              const ModelCheckOptions& options) {
+  return check_model(model, assembled, evaluate(assembled.stiffness, assembled.parameters),
+                     evaluate(assembled.mass, assembled.parameters), options);
+}
+
+ModelCheckReport check_model(const FiniteElementModel& model, const AssembledModel& assembled,
+                             const SparseMatrix& stiffness, const SparseMatrix& mass,
+                             const ModelCheckOptions& options) {
   ModelCheckReport report;
   report.nodes = model.mesh.node_count();
   report.cells = static_cast<Index>(model.mesh.cells.size());
@@ -310,12 +359,13 @@ ModelCheckReport check_model(const FiniteElementModel& model, const AssembledMod
 
   std::vector<std::string> names;
   for (const auto& dof : assembled.dofs) names.push_back(dof_name(model.mesh, dof));
-  const SparseMatrix stiffness = evaluate(assembled.stiffness, assembled.parameters);
-  const SparseMatrix mass = evaluate(assembled.mass, assembled.parameters);
   report.stiffness_matrix = report::check_matrix(stiffness, "stiffness matrix", Topic::stiffness,
                                                  options.definiteness && !options.mechanisms, names, report.findings);
-  report.mass_matrix =
-      report::check_matrix(mass, "mass matrix", Topic::mass, options.definiteness, names, report.findings);
+  const bool bodies = is_sum_of_bodies(model);
+  if (options.needs_mass || mass.nonZeros() > 0)
+    report.mass_matrix =
+        report::check_matrix(mass, "mass matrix", Topic::mass, options.definiteness && !bodies, names, report.findings);
+  if (options.definiteness && bodies && report.mass_matrix.finite) report.mass_matrix.semi_definite = true;
   report::check_massless(names, mass, stiffness, report.findings);
   report::check_springs(model, assembled, stiffness, report);
   if (report.stiffness_matrix.finite && report.mass_matrix.finite)

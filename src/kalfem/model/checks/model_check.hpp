@@ -2,10 +2,12 @@
 
 #include <array>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "kalfem/linalg/stiffness_factor.hpp"
 #include "kalfem/model/assembly/rigid_body.hpp"
 #include "kalfem/model/assembly/rigid_motion.hpp"
 #include "kalfem/model/linear_model.hpp"
@@ -198,18 +200,23 @@ struct ModelCheckReport {
   std::vector<Eigen::Index> parts;    ///< numbers of nodes of what holds together, the largest first
   std::vector<RegionCheck> regions;
   std::vector<MaterialCheck> materials;
-  std::vector<RegionQuality> quality;      ///< of regions with surfaces or solids and a property
-  std::vector<double> lowest_frequencies;  ///< [Hz], of bare matrices only, where they were computed
+  std::vector<RegionQuality> quality;                  ///< of regions with surfaces or solids and a property
+  std::vector<double> lowest_frequencies;              ///< [Hz], of bare matrices only, where they were computed
+  std::shared_ptr<const StiffnessFactor> factor = {};  ///< of K held, where it shows that there are no mechanisms
 
   [[nodiscard]] Eigen::Index count(FindingSeverity severity) const;
 };
 
 struct ModelCheckOptions {
-  bool mechanisms = true;     ///< look for motions without strain: one factorisation of K and about 100 solves
-  bool definiteness = true;   ///< try a Cholesky factor of M too (K's where there are no mechanisms looked for)
+  bool mechanisms = true;    ///< look for motions without strain: a factor of K, and where it has none about 100 solves
+  bool definiteness = true;  ///< try a Cholesky factor of M too, if it is no sum of elements and masses alone (and of K
+                             ///< where there are no mechanisms looked for)
   double coincidence = 1e-6;  ///< nodes nearer than this part of the model's diagonal stand at one place
   QualityLimits quality = {};
-  Eigen::Index frequencies = 12;  ///< of bare matrices: how many of the lowest to compute; 0: none
+  Eigen::Index frequencies = 12;          ///< of bare matrices: how many of the lowest to compute; 0: none
+  bool needs_mass = true;                 ///< a model without mass is an error, as statics alone need none: then a note
+  std::vector<Eigen::Index> joined = {};  ///< nodes at which something outside joins the model
+  std::shared_ptr<const StiffnessFactor> factor = {};  ///< factor_held() of K, where it is at hand
 };
 
 /// Looks a model over before it is used: mass, grounding, mechanisms, symmetry and definiteness, nodes that nothing
@@ -217,6 +224,10 @@ struct ModelCheckOptions {
 /// stiffer than what they hang on. Time and memory grow with the number of nodes, but for the factorisations. Never
 /// throws for what is wrong with the model itself: that is a finding.
 ModelCheckReport check_model(const FiniteElementModel& model, const AssembledModel& assembled,
+                             const ModelCheckOptions& options = {});
+/// The same with K and M at hand, whose terms `assembled` need not have then.
+ModelCheckReport check_model(const FiniteElementModel& model, const AssembledModel& assembled,
+                             const SparseMatrix& stiffness, const SparseMatrix& mass,
                              const ModelCheckOptions& options = {});
 
 /// A material whose values are usual in other units than SI, while no material of the model is usual in SI: the deck or

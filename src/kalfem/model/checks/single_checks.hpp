@@ -37,8 +37,9 @@ std::vector<std::string> tell_grounding(const GroundingCheck& grounding, bool su
                                         const std::vector<std::string>& dofs, std::vector<ModelFinding>& findings);
 
 /// Findings on the mass of the whole, its centre and inertia, and on the part of it that moves along x, y and z.
+/// `needed`: a model without mass is an error.
 void tell_mass(const MassProperties& mass, const Eigen::Vector3d& moving, const Eigen::Vector3d& lowest,
-               const Eigen::Vector3d& highest, std::vector<ModelFinding>& findings);
+               const Eigen::Vector3d& highest, bool needed, std::vector<ModelFinding>& findings);
 
 /// Materials and dimensions, and findings on units.
 void check_materials(const FiniteElementModel& model, ModelCheckReport& report);

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+
+#include "kalfem/model/elements/tapered_beam.hpp"
 
 namespace kalfem {
 namespace {
@@ -161,7 +164,7 @@ Matrix12 consistent_mass(const LineMass& line, const BeamSection& section, const
   return transform.transpose() * mass * transform;
 }
 
-Matrix12 lumped_mass(const LineMass& line, double length) {
+Matrix12 lumped_mass(const LineMass& line, double length, LumpedInertia inertia) {
   Matrix12 mass = Matrix12::Zero();
   for (const int end : {0, 6}) {
     Eigen::Matrix<double, 3, 12> motion = Eigen::Matrix<double, 3, 12>::Zero();
@@ -169,7 +172,8 @@ Matrix12 lumped_mass(const LineMass& line, double length) {
     motion.middleCols<3>(end + 3) << 0.0, line.place.y(), -line.place.x(), -line.place.y(), 0.0, 0.0, line.place.x(),
         0.0, 0.0;
     mass += 0.5 * length * line.amount * motion.transpose() * motion;
-    mass(end + 3, end + 3) += 0.5 * length * line.polar;
+    if (inertia != LumpedInertia::none) mass(end + 3, end + 3) += 0.5 * length * line.polar;
+    if (inertia != LumpedInertia::all) continue;
     const Eigen::Matrix2d turning =
         line.amount * std::pow(length, 3) / 78.0 * Eigen::Matrix2d::Identity() + 0.5 * length * line.rotary;
     mass += slopes_of_end(end).transpose() * turning * slopes_of_end(end);
@@ -260,6 +264,7 @@ struct PlacedBeam {
   Eigen::Matrix3d axes;   ///< rows: local x, y, z
   Matrix12 to_line;       ///< motions of the line's ends in local axes from those of the nodes in global ones
   Matrix12 not_released;  ///< of the line's ends that leave released motions without force, from these
+  std::optional<TaperedLine> tapered;
 
   PlacedBeam(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty& property, const BeamPlacement& placement,
              double poissons_ratio) {
@@ -271,16 +276,18 @@ struct PlacedBeam {
       throw ElementShapeError("its ends coincide: the length is zero");
     axes = local_axes(along, placement.up, is_round(property, placement));
     to_line = node_to_line(axes, placement.offsets);
+    if (!property.stations.empty()) tapered.emplace(property.stations, length, poissons_ratio, property.lumped_inertia);
     const Bending bending(section, length, poissons_ratio);
-    const Matrix12 stiffness = local_stiffness(BeamPart::none, section, bending, length, poissons_ratio);
+    const Matrix12 stiffness =
+        tapered ? tapered->stiffness() : local_stiffness(BeamPart::none, section, bending, length, poissons_ratio);
     not_released = without_released(stiffness, placement.released, length);
   }
 };
 
-Matrix12 line_mass(const LineMass& mass, const BeamSection& section, const Bending& bending, double length,
+Matrix12 line_mass(const LineMass& mass, const BeamProperty& property, const Bending& bending, double length,
                    MassKind mass_kind) {
-  return mass_kind == MassKind::consistent ? consistent_mass(mass, section, bending, length)
-                                           : lumped_mass(mass, length);
+  return mass_kind == MassKind::consistent ? consistent_mass(mass, property.section, bending, length)
+                                           : lumped_mass(mass, length, property.lumped_inertia);
 }
 
 /// Of the section itself, per unit density.
@@ -289,6 +296,21 @@ LineMass section_mass(const BeamSection& section) {
 }
 LineMass nonstructural_mass(const BeamProperty& property) {
   return {.amount = property.nonstructural_mass, .place = property.nonstructural_centre};
+}
+bool has_nonstructural_mass(const BeamProperty& property) {
+  return property.nonstructural_mass != 0.0 || std::ranges::any_of(property.stations, [](const BeamStation& station) {
+           return station.nonstructural_mass != 0.0 || station.nonstructural_inertia != 0.0;
+         });
+}
+
+/// End forces of the line about the centroids of the end sections.
+Vector12 about_centroids(const Vector12& forces, const BeamProperty& property) {
+  Vector12 moved;
+  for (const int end : {0, 1}) {
+    const Matrix12 carried = axial_at_centroid(-section_at(property, end).centroid).transpose();
+    moved.segment<6>(6 * end) = (carried * forces).segment<6>(6 * end);
+  }
+  return moved;
 }
 
 }  // namespace
@@ -302,7 +324,7 @@ std::vector<BeamPart> parts_of(const BeamProperty& property) {
   const auto has_hinge = [](const BeamPlacement& placement) {
     return std::ranges::find(placement.released, true) != placement.released.end();
   };
-  if (std::ranges::any_of(property.placements, has_hinge)) return {BeamPart::stiffness};
+  if (!property.stations.empty() || std::ranges::any_of(property.placements, has_hinge)) return {BeamPart::stiffness};
   if (property.section.product_yz != 0.0) return {BeamPart::axial, BeamPart::bending, BeamPart::torsion};
   return {BeamPart::axial, BeamPart::bending_y, BeamPart::bending_z, BeamPart::torsion};
 }
@@ -319,14 +341,21 @@ ElementMatrices beam(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty
     return 0.5 * (global + global.transpose());
   };
   const auto stiffness_of = [&](BeamPart part) {
+    if (placed.tapered) return placed.tapered->stiffness();
     return local_stiffness(part, section, bending, placed.length, poissons_ratio);
   };
   const auto mass_of = [&](const LineMass& mass) {
-    return to_nodes(line_mass(mass, section, bending, placed.length, mass_kind));
+    return to_nodes(line_mass(mass, property, bending, placed.length, mass_kind));
   };
   ElementMatrices matrices;
   for (const auto part : parts)
     matrices.stiffness.push_back({{.youngs_modulus = 1, .part = part}, to_nodes(stiffness_of(part))});
+  if (placed.tapered) {
+    matrices.mass = {{{.density = 1}, to_nodes(placed.tapered->section_mass(mass_kind))}};
+    if (has_nonstructural_mass(property))
+      matrices.mass.push_back({{}, to_nodes(placed.tapered->nonstructural_mass(mass_kind))});
+    return matrices;
+  }
   matrices.mass = {{{.density = 1}, mass_of(section_mass(section))}};
   if (property.nonstructural_mass != 0.0) matrices.mass.push_back({{}, mass_of(nonstructural_mass(property))});
   return matrices;
@@ -337,7 +366,8 @@ ElementMatrices beam(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty
 std::array<SectionForces, 2> beam_forces(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty& property,
                                          const BeamPlacement& placement, const IsotropicMaterial& material,
                                          MassKind mass_kind, const Eigen::VectorXd& motions,
-                                         const Eigen::Matrix<double, 3, 2>& accelerations) {
+                                         const Eigen::Matrix<double, 3, 2>& accelerations,
+                                         const Vector12& loads_at_nodes) {
   const BeamSection& section = property.section;
   const PlacedBeam placed(ends, property, placement, material.poissons_ratio);
   const Bending bending(section, placed.length, material.poissons_ratio);
@@ -345,16 +375,22 @@ std::array<SectionForces, 2> beam_forces(const Eigen::Matrix<double, 3, 2>& ends
   Vector12 line_acceleration = Vector12::Zero();
   for (const int end : {0, 1}) line_acceleration.segment<3>(6 * end) = placed.axes * accelerations.col(end);
   const auto mass_of = [&](const LineMass& mass) {
-    return line_mass(mass, section, bending, placed.length, mass_kind);
+    return line_mass(mass, property, bending, placed.length, mass_kind);
   };
-  Matrix12 mass = material.density * mass_of(section_mass(section));
-  if (property.nonstructural_mass != 0.0) mass += mass_of(nonstructural_mass(property));
-  const Vector12 loads = placed.not_released.transpose() * (mass * line_acceleration);
+  Matrix12 mass = placed.tapered ? Matrix12(material.density * placed.tapered->section_mass(mass_kind) +
+                                            placed.tapered->nonstructural_mass(mass_kind))
+                                 : Matrix12(material.density * mass_of(section_mass(section)));
+  if (!placed.tapered && property.nonstructural_mass != 0.0) mass += mass_of(nonstructural_mass(property));
+  Vector12 loads = placed.not_released.transpose() * (mass * line_acceleration);
+  if (!loads_at_nodes.isZero(0.0)) loads += placed.to_line.transpose().partialPivLu().solve(loads_at_nodes);
   const Vector12 elastic =
       material.youngs_modulus *
       centroid_stiffness(BeamPart::none, section, bending, placed.length, material.poissons_ratio) *
       (axial_at_centroid(section.centroid) * line_motions);
-  const Vector12 forces = elastic - axial_at_centroid(-section.centroid).transpose() * loads;
+  const Vector12 forces =
+      placed.tapered
+          ? about_centroids(material.youngs_modulus * placed.tapered->stiffness() * line_motions - loads, property)
+          : Vector12(elastic - axial_at_centroid(-section.centroid).transpose() * loads);
   return {SectionForces(-forces.head<6>()), SectionForces(forces.tail<6>())};
 }
 
@@ -367,6 +403,7 @@ Eigen::MatrixXd beam_geometric_stiffness(const Eigen::Matrix<double, 3, 2>& ends
     const Pair slopes = bending.deflection_slopes(0.5 * (1.0 + places[i]));
     local += 0.5 * placed.length * weights[i] * axial_force * slopes.transpose() * slopes;
   }
+  if (placed.tapered) local = axial_force * placed.tapered->geometric_stiffness();
   const Matrix12 transform = placed.not_released * placed.to_line;
   return transform.transpose() * local * transform;
 }

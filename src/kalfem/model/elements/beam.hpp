@@ -30,7 +30,8 @@ std::vector<BeamPart> parts_of(const BeamProperty& property);
 /// (of the nonstructural centre) with the exact static shapes [FK93], rho (I_y + I_z) of the twist, and the rotary
 /// inertia rho I of a plane of bending only where its shear factor is not 0. Lumped: half the mass of either kind at
 /// its centre at each end and half of rho (I_y + I_z) L, rotations by diagonal scaling, m L^2 / 78 each [HRZ76], with
-/// half the rotary inertia rho I L where the shear factor is not 0.
+/// half the rotary inertia rho I L where the shear factor is not 0; without bending's rotations, or any, as
+/// BeamProperty::lumped_inertia says.
 ///
 /// Released motions of the ends, in local axes, take the value at which they carry no force,
 ///     z_r = -K_rr^-1 K_ra z_a;   stiffness and mass by the same transformation [Guy65].

@@ -14,13 +14,15 @@ namespace kalfem {
 using SectionForces = Eigen::Matrix<double, 6, 1>;  ///< [N V_y V_z T M_y M_z]
 
 /// Section forces at the two ends of a beam under the motions [x y z rx ry rz] of its nodes. `accelerations`: at its
-/// nodes, of gravity or another field that acts on its mass [m/s^2]; the ends carry K q less the nodal forces that the
-/// field gives the element, so that moments are those of the distributed load.
+/// nodes, of gravity or another field that acts on its mass [m/s^2]. `loads`: on its line, as forces at its nodes, see
+/// beam_loads.hpp. The ends carry K q less the nodal forces that both give the element, so that moments are those of
+/// the distributed load.
 /// Throws ElementShapeError as beam() does.
 std::array<SectionForces, 2> beam_forces(
     const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty& property, const BeamPlacement& placement,
     const IsotropicMaterial& material, MassKind mass_kind, const Eigen::VectorXd& motions,
-    const Eigen::Matrix<double, 3, 2>& accelerations = Eigen::Matrix<double, 3, 2>::Zero());
+    const Eigen::Matrix<double, 3, 2>& accelerations = Eigen::Matrix<double, 3, 2>::Zero(),
+    const Eigen::Matrix<double, 12, 1>& loads = Eigen::Matrix<double, 12, 1>::Zero());
 
 /// Stiffness that an axial force N (tension > 0) gives a beam across its line, int N (v'^2 + w'^2) dx / 2 of the
 /// deflections of beam(), in the motions of the nodes. The turn of the section about the line is left out.

@@ -87,9 +87,9 @@ void carry_to_nodes(ElementMatrices& matrices, const Eigen::Matrix3Xd& arms) {
 }
 
 ElementMatrices laminate(const Eigen::Matrix3Xd& corners, const LaminateProperty& property,
-                         const Eigen::Vector3d& direction, MassKind mass_kind) {
-  return corners.cols() == 3 ? shell3(corners, property, direction, mass_kind)
-                             : shell4(corners, property, direction, mass_kind);
+                         const Eigen::Vector3d& direction, MassKind mass_kind, const DrillingOptions& drilling) {
+  return corners.cols() == 3 ? shell3(corners, property, direction, mass_kind, drilling)
+                             : shell4(corners, property, direction, mass_kind, drilling);
 }
 
 Eigen::VectorXd moved_by_arms(Eigen::VectorXd motions, const Eigen::Matrix3Xd& arms) {
@@ -99,9 +99,10 @@ Eigen::VectorXd moved_by_arms(Eigen::VectorXd motions, const Eigen::Matrix3Xd& a
 }
 
 ShellStrains shell_strains(const Eigen::Matrix3Xd& corners, const ShellStiffness& section, double offset,
-                           const Eigen::Vector3d& direction, const Eigen::VectorXd& motions) {
-  return corners.cols() == 3 ? shell3_strains(corners, section, offset, direction, motions)
-                             : shell4_strains(corners, section, offset, direction, motions);
+                           const Eigen::Vector3d& direction, const Eigen::VectorXd& motions,
+                           const DrillingOptions& drilling) {
+  return corners.cols() == 3 ? shell3_strains(corners, section, offset, direction, motions, drilling)
+                             : shell4_strains(corners, section, offset, direction, motions, drilling);
 }
 
 }  // namespace kalfem

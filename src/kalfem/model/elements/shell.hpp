@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "kalfem/model/elements/element.hpp"
 #include "kalfem/model/mesh/properties.hpp"
 
@@ -42,6 +44,19 @@ std::vector<ElementTerm> isotropic_mass(const PlateMass& mass, double nonstructu
 /// One term without powers.
 std::vector<ElementTerm> section_mass(const PlateMass& mass, double amount, double rotary_inertia);
 
+/// How a shell takes the drilling rotations of its corners, see ShellEdges.
+struct DrillingOptions {
+  /// Sides 1-2, 2-3, 3-1 of a triangle that do not bulge with the drilling rotations of their ends.
+  std::array<bool, 3> straight = {};
+  /// Corners whose drilling rotation is the turn of the surface at the centre, whatever their node's rotation is.
+  std::array<bool, 4> following = {};
+  friend bool operator==(const DrillingOptions&, const DrillingOptions&) = default;
+};
+
+/// Work of a unit normal force per length along a bulging side of the length l, per difference of the drilling
+/// rotations of its ends: l^2 / 8, 3/2 of the cubic that these give a beam [BF85], [Fel03].
+inline double bulge(double length) { return length * length / 8.0; }
+
 /// Carries matrices from places that stand off the nodes to the nodes, by rigid arms u = u_node + theta x arm.
 /// `arms`: from each node to its place [m], 3 x nodes.
 void carry_to_nodes(ElementMatrices& matrices, const Eigen::Matrix3Xd& arms);
@@ -49,7 +64,7 @@ void carry_to_nodes(ElementMatrices& matrices, const Eigen::Matrix3Xd& arms);
 /// Shell of any cross-section, 3 x 3 or 3 x 4 corners [m]: shell3() or shell4() of a LaminateProperty. Its x axis is
 /// `direction` laid into the surface, or the first side where that is zero.
 ElementMatrices laminate(const Eigen::Matrix3Xd& corners, const LaminateProperty& property,
-                         const Eigen::Vector3d& direction, MassKind mass_kind);
+                         const Eigen::Vector3d& direction, MassKind mass_kind, const DrillingOptions& drilling = {});
 
 /// Flat three-node shell between `corners` [m] (either way round), thin or moderately thick: MITC3+ in bending [LLB14],
 /// the optimal triangle with drilling rotations in its plane [Fel03].
@@ -57,7 +72,8 @@ ElementMatrices laminate(const Eigen::Matrix3Xd& corners, const LaminateProperty
 /// Bending: w linear, the turn of the normals linear with a cubic bubble, which is condensed; curvatures interpolated,
 /// transverse shear assumed from six inner places, 5/6 of G.
 /// Membrane: constant strain with sides that bulge with the drilling rotations, and strains linear in them; exact for
-/// bending in the plane of two triangles that make a rectangle. Facets of a thin surface curved both ways bend against
+/// bending in the plane of two triangles that make a rectangle. With all sides straight and all corners following it is
+/// the triangle of constant strain. Facets of a thin surface curved both ways bend against
 /// each other in their planes, so that coarse meshes of such are stiff; the error falls with h^2.
 ///
 /// The mid-surface stands `offset` off the nodes along the normal by the right-hand rule; rigid arms carry the motion.
@@ -66,14 +82,14 @@ ElementMatrices laminate(const Eigen::Matrix3Xd& corners, const LaminateProperty
 /// plate_mass(). Exact in constant membrane strain and curvature. Throws ElementShapeError for corners that coincide or
 /// lie on a line.
 ElementMatrices shell3(const Eigen::Matrix<double, 3, 3>& corners, double poissons_ratio, const ShellProperty& property,
-                       MassKind mass_kind);
+                       MassKind mass_kind, const DrillingOptions& drilling = {});
 
 /// The same element with any cross-section, in axes whose x is `direction` laid into the triangle, or the first side
 /// where that is zero. The share of the linear membrane strains is the general one of [Fel03], which makes the triangle
 /// optimal for A in the mean over all directions. B couples the mean membrane strain with the mean curvature.
 /// Stiffness and mass are one term each, without powers. Throws ElementShapeError for a direction along the normal too.
 ElementMatrices shell3(const Eigen::Matrix<double, 3, 3>& corners, const LaminateProperty& property,
-                       const Eigen::Vector3d& direction, MassKind mass_kind);
+                       const Eigen::Vector3d& direction, MassKind mass_kind, const DrillingOptions& drilling = {});
 
 /// Four-node shell on the bilinear surface through `corners` [m] (in turn, either way round), for thin and moderately
 /// thick, flat, curved and warped parts: MITC4+ [KLB17] with enhanced membrane strains and drilling rotations.
@@ -96,7 +112,7 @@ ElementMatrices shell3(const Eigen::Matrix<double, 3, 3>& corners, const Laminat
 /// rectangle. Throws ElementShapeError for corners that coincide, an area of zero, a concave or crossed shape, and a
 /// warp of more than a right angle between the normals of two corners.
 ElementMatrices shell4(const Eigen::Matrix<double, 3, 4>& corners, double poissons_ratio, const ShellProperty& property,
-                       MassKind mass_kind);
+                       MassKind mass_kind, const DrillingOptions& drilling = {});
 
 /// The same element with any cross-section,
 ///     W = 1/2 (e^T A e + 2 e^T B k + k^T D k + g^T S g),
@@ -105,6 +121,6 @@ ElementMatrices shell4(const Eigen::Matrix<double, 3, 4>& corners, double poisso
 /// a = A^-1, and 8 / (3 d_11 + 3 d_22 + 2 d_12 + d_66), d = D^-1.
 /// Stiffness and mass are one term each, without powers. Throws ElementShapeError for a direction along the normal too.
 ElementMatrices shell4(const Eigen::Matrix<double, 3, 4>& corners, const LaminateProperty& property,
-                       const Eigen::Vector3d& direction, MassKind mass_kind);
+                       const Eigen::Vector3d& direction, MassKind mass_kind, const DrillingOptions& drilling = {});
 
 }  // namespace kalfem

@@ -18,13 +18,15 @@ struct Triangle {
   Eigen::Matrix3d axes;  ///< rows: x and y of the section, normal
   Plane corners;
   double area = 0.0;
+  DrillingOptions drilling;
 
   /// Side a - b as a vector.
   [[nodiscard]] Eigen::Vector2d side(int a, int b) const { return corners.col(a) - corners.col(b); }
 };
 
 /// Its first axis along `direction`, or along the first side where that is zero.
-Triangle triangle_through(const Eigen::Matrix3d& corners, const Eigen::Vector3d& direction) {
+Triangle triangle_through(const Eigen::Matrix3d& corners, const Eigen::Vector3d& direction,
+                          const DrillingOptions& drilling) {
   require_distinct(corners);
   const Eigen::Vector3d first = corners.col(1) - corners.col(0), second = corners.col(2) - corners.col(0);
   const Eigen::Vector3d twice_area = first.cross(second);
@@ -32,6 +34,7 @@ Triangle triangle_through(const Eigen::Matrix3d& corners, const Eigen::Vector3d&
   if (!(twice_area.norm() > 1e-10 * longest * longest))
     throw ElementShapeError("its area is zero: its corners lie on one line");
   Triangle triangle;
+  triangle.drilling = drilling;
   triangle.area = 0.5 * twice_area.norm();
   const Eigen::Vector3d normal = twice_area.normalized();
   triangle.axes.row(0) = axis_in_surface(direction, first, normal);
@@ -51,19 +54,22 @@ Eigen::Matrix3d strains_along_sides(const Triangle& triangle) {
   return along;
 }
 
-/// Nodal forces of a unit constant membrane stress times the thickness; L^T u / A is the mean strain of the motion u. A
-/// side bulges by 3/2 of the cubic that the drilling rotations of its ends give a beam [BF85].
+/// Nodal forces of a unit constant membrane stress times the thickness; L^T u / A is the mean strain of the motion u.
+/// The normal force per length s along a side brings the moments -bulge s and bulge s to its ends, unless it is
+/// straight.
 Eigen::Matrix<double, 9, 3> lumping(const Triangle& triangle) {
-  constexpr double bulge = 1.5;
-  Eigen::Matrix<double, 9, 3> forces;
+  Eigen::Matrix<double, 9, 3> forces = Eigen::Matrix<double, 9, 3>::Zero();
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
-    const Eigen::Vector2d opposite = triangle.side(j, k), next = triangle.side(i, j), last = triangle.side(i, k);
+    const Eigen::Vector2d opposite = triangle.side(j, k), next = triangle.side(j, i);
     forces.row(3 * i) << 0.5 * opposite.y(), 0.0, -0.5 * opposite.x();
     forces.row(3 * i + 1) << 0.0, -0.5 * opposite.x(), 0.5 * opposite.y();
-    forces.row(3 * i + 2) << last.y() * last.y() - next.y() * next.y(), last.x() * last.x() - next.x() * next.x(),
-        2.0 * (next.x() * next.y() - last.x() * last.y());
-    forces.row(3 * i + 2) *= bulge / 12.0;
+    if (triangle.drilling.straight[static_cast<std::size_t>(i)]) continue;
+    const double length = next.norm();
+    const Eigen::RowVector3d normal(next.y() * next.y(), next.x() * next.x(), -2.0 * next.x() * next.y());
+    const Eigen::RowVector3d moment = bulge(length) / (length * length) * normal;
+    forces.row(3 * i + 2) -= moment;
+    forces.row(3 * j + 2) += moment;
   }
   return forces;
 }
@@ -239,12 +245,18 @@ Matrix9 coupling_stiffness(const Triangle& triangle, const Eigen::Matrix3d& coup
   return lumping(triangle) * coupling * curvatures.leftCols<9>();
 }
 
-/// [u_x u_y theta_z] of the corners in the triangle's axes from global displacements and rotations.
-Eigen::Matrix<double, 9, 18> to_membrane(const Eigen::Matrix3d& axes) {
+/// [u_x u_y theta_z] of the corners in the triangle's axes from global displacements and rotations; the drilling
+/// rotation of a corner that follows is the turn of the triangle, sum_j (x_j+1 - x_j-1) . u_j / (4 area).
+Eigen::Matrix<double, 9, 18> to_membrane(const Triangle& triangle) {
   Eigen::Matrix<double, 9, 18> map = Eigen::Matrix<double, 9, 18>::Zero();
   for (int i = 0; i < 3; ++i) {
-    map.block<2, 3>(3 * i, 6 * i) = axes.topRows<2>();
-    map.block<1, 3>(3 * i + 2, 6 * i + 3) = axes.row(2);
+    map.block<2, 3>(3 * i, 6 * i) = triangle.axes.topRows<2>();
+    if (!triangle.drilling.following[static_cast<std::size_t>(i)])
+      map.block<1, 3>(3 * i + 2, 6 * i + 3) = triangle.axes.row(2);
+    else
+      for (int j = 0; j < 3; ++j)
+        map.block<1, 3>(3 * i + 2, 6 * j) =
+            triangle.side((j + 1) % 3, (j + 2) % 3).transpose() / (4.0 * triangle.area) * triangle.axes.topRows<2>();
   }
   return map;
 }
@@ -278,12 +290,12 @@ void carry_to_nodes(ElementMatrices& matrices, const Triangle& triangle, double 
 }  // namespace
 
 ElementMatrices shell3(const Eigen::Matrix3d& corners, double poissons_ratio, const ShellProperty& property,
-                       MassKind mass_kind) {
-  const Triangle triangle = triangle_through(corners, Eigen::Vector3d::Zero());
+                       MassKind mass_kind, const DrillingOptions& drilling) {
+  const Triangle triangle = triangle_through(corners, Eigen::Vector3d::Zero(), drilling);
   const Matrix9 membrane = membrane_stiffness(triangle, plane_stress(poissons_ratio));
   const Matrix9 flexure = flexure_stiffness(triangle, isotropic_section(poissons_ratio, property.thickness));
   ElementMatrices matrices{
-      .stiffness = {{{.youngs_modulus = 1, .thickness = 1}, transformed(membrane, to_membrane(triangle.axes))},
+      .stiffness = {{{.youngs_modulus = 1, .thickness = 1}, transformed(membrane, to_membrane(triangle))},
                     {{.youngs_modulus = 1}, transformed(flexure, to_flexure(triangle.axes))}},
       .mass = isotropic_mass(mass_of(triangle, mass_kind), property.nonstructural_mass)};
   carry_to_nodes(matrices, triangle, property.offset);
@@ -291,9 +303,9 @@ ElementMatrices shell3(const Eigen::Matrix3d& corners, double poissons_ratio, co
 }
 
 ElementMatrices shell3(const Eigen::Matrix3d& corners, const LaminateProperty& property,
-                       const Eigen::Vector3d& direction, MassKind mass_kind) {
-  const Triangle triangle = triangle_through(corners, direction);
-  const auto to_plane = to_membrane(triangle.axes), to_bend = to_flexure(triangle.axes);
+                       const Eigen::Vector3d& direction, MassKind mass_kind, const DrillingOptions& drilling) {
+  const Triangle triangle = triangle_through(corners, direction, drilling);
+  const auto to_plane = to_membrane(triangle), to_bend = to_flexure(triangle.axes);
   const Matrix18 coupled = to_plane.transpose() * coupling_stiffness(triangle, property.stiffness.coupling) * to_bend;
   ElementMatrices matrices{
       .stiffness = {{{},
@@ -307,11 +319,12 @@ ElementMatrices shell3(const Eigen::Matrix3d& corners, const LaminateProperty& p
 
 // The membrane strain is the mean one and, linear over the triangle, 3/2 b_0^1/2 of the hierarchical rotations'.
 ShellStrains shell3_strains(const Eigen::Matrix3d& corners, const ShellStiffness& section, double offset,
-                            const Eigen::Vector3d& direction, const Eigen::VectorXd& motions) {
-  const Triangle triangle = triangle_through(corners, direction);
+                            const Eigen::Vector3d& direction, const Eigen::VectorXd& motions,
+                            const DrillingOptions& drilling) {
+  const Triangle triangle = triangle_through(corners, direction, drilling);
   const Eigen::Vector3d normal = triangle.axes.row(2);
   const Eigen::VectorXd u = moved_by_arms(motions, offset * normal.replicate<1, 3>());
-  const Eigen::Matrix<double, 9, 1> in_plane = to_membrane(triangle.axes) * u;
+  const Eigen::Matrix<double, 9, 1> in_plane = to_membrane(triangle) * u;
   const Flexure flexure(triangle);
   Eigen::Matrix<double, 11, 1> bent;
   bent.head<9>() = to_flexure(triangle.axes) * u;

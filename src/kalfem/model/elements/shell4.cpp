@@ -241,6 +241,28 @@ Eigen::Matrix<double, 3, 4> enhanced_modes(double r, double s) {
   return Eigen::Matrix<double, 3, 4>{{r, 0.0, 0.0, 0.0}, {0.0, s, 0.0, 0.0}, {0.0, 0.0, r, s}};
 }
 
+/// Replaces the rotations about the normal of the corners that follow by the turn of the surface, in rows that hold
+/// rotations about the normal.
+template <typename Rows>
+void follow(Rows& rows, const Row& turn, const Eigen::Vector3d& normal, const DrillingOptions& drilling) {
+  for (int i = 0; i < 4; ++i) {
+    if (!drilling.following[static_cast<std::size_t>(i)]) continue;
+    rows += (rotation(rows, i) * normal).eval() * turn;
+    rotation(rows, i).setZero();
+  }
+}
+
+/// The turn of the surface about the normal at the centre, n . sum_a g^a x u,a / 2.
+Row surface_turn(const SurfacePoint& centre, const Eigen::Vector3d& normal) {
+  const Axes dual = centre.dual();
+  Row turn = Row::Zero();
+  for (int i = 0; i < 4; ++i) {
+    const Eigen::Vector3d slope = dual * centre.slopes.row(i).transpose();  // n . (slope x u) = u . (n x slope)
+    displacement(turn, i) = 0.5 * normal.cross(slope).transpose();
+  }
+  return turn;
+}
+
 /// Gradient in the axes of the rotation about the centre's normal.
 ShearRows drilling_gradient(const SurfacePoint& point, const Eigen::Matrix2d& turn, const Eigen::Vector3d& normal) {
   const Eigen::Matrix<double, 2, 4> gradient = turn * point.slopes.transpose();
@@ -249,15 +271,12 @@ ShearRows drilling_gradient(const SurfacePoint& point, const Eigen::Matrix2d& tu
   return rows;
 }
 
-/// theta . n - n . sum_a g^a x u,a / 2 at the centre: the drilling rotation beyond the turn of the surface [HB89].
-Row drilling_strain(const SurfacePoint& centre, const Eigen::Vector3d& normal) {
-  const Axes dual = centre.dual();
-  Row strain = Row::Zero();
-  for (int i = 0; i < 4; ++i) {
-    const Eigen::Vector3d slope = dual * centre.slopes.row(i).transpose();  // n . (slope x u) = u . (n x slope)
-    displacement(strain, i) = -0.5 * normal.cross(slope).transpose();
-    rotation(strain, i) = centre.shape[i] * normal.transpose();
-  }
+/// theta . n at the centre beyond the turn of the surface [HB89].
+Row drilling_strain(const SurfacePoint& centre, const Eigen::Vector3d& normal, const DrillingOptions& drilling) {
+  const Row turn = surface_turn(centre, normal);
+  Row strain = -turn;
+  for (int i = 0; i < 4; ++i) rotation(strain, i) = centre.shape[i] * normal.transpose();
+  follow(strain, turn, normal, drilling);
   return strain;
 }
 
@@ -270,10 +289,11 @@ struct GaussPoint {
   Eigen::Matrix<double, 3, 4> modes;  ///< enhanced membrane strains
 };
 
-std::array<GaussPoint, 4> gauss_points(const Surface& surface, const Frame& frame) {
+std::array<GaussPoint, 4> gauss_points(const Surface& surface, const Frame& frame, const DrillingOptions& drilling) {
   const AssumedMembrane membrane(surface);
   const AssumedTransverseShear transverse(surface);
   const SurfacePoint centre = point_at(surface, 0.0, 0.0);
+  const Row surface_turns = surface_turn(centre, frame.normal);
   const Eigen::Matrix3d centre_to_axes = to_axes(frame.axes.transpose() * centre.dual());
   std::array<GaussPoint, 4> points;
   const double gauss = 1.0 / std::sqrt(3.0);
@@ -284,13 +304,15 @@ std::array<GaussPoint, 4> gauss_points(const Surface& surface, const Frame& fram
     const Eigen::Vector3d normal = point.area_vector() / area;
     const Eigen::Matrix2d turn = frame.at(normal).transpose() * point.dual();
     const Eigen::Matrix3d tensor_turn = to_axes(turn);
+    ShearRows drilled = drilling_gradient(point, turn, frame.normal);
+    follow(drilled, surface_turns, frame.normal, drilling);
     const double density = centre.area_vector().norm() / area;
     points[static_cast<std::size_t>(i)] = {.shape = point.shape,
                                            .area = area,
                                            .stretched = tensor_turn * membrane.at(r, s),
                                            .bent = tensor_turn * bending_strains(surface, point),
                                            .sheared = turn * transverse.at(r, s) / point.director.dot(normal),
-                                           .drilled = drilling_gradient(point, turn, frame.normal),
+                                           .drilled = drilled,
                                            .modes = density * centre_to_axes * enhanced_modes(r, s)};
   }
   return points;
@@ -302,8 +324,9 @@ EnhancedMembrane enhanced_membrane(const std::array<GaussPoint, 4>& points, cons
   return enhanced;
 }
 
-Sums integrate(const Surface& surface, const Frame& frame, const ShellStiffness& section) {
-  const auto points = gauss_points(surface, frame);
+Sums integrate(const Surface& surface, const Frame& frame, const ShellStiffness& section,
+               const DrillingOptions& drilling) {
+  const auto points = gauss_points(surface, frame, drilling);
   Sums sums;
   for (const auto& point : points) {
     sums.bending += point.area * point.bent.transpose() * section.bending * point.bent;
@@ -333,10 +356,11 @@ struct Stiffness {
   Eigen::Matrix4d shares;
 };
 
-Stiffness stiffness_of(const Surface& surface, const Eigen::Vector3d& direction, const ShellStiffness& section) {
+Stiffness stiffness_of(const Surface& surface, const Eigen::Vector3d& direction, const ShellStiffness& section,
+                       const DrillingOptions& options) {
   const Frame frame = frame_of(surface, direction);
-  const Sums sums = integrate(surface, frame, section);
-  const Row drilling = drilling_strain(point_at(surface, 0.0, 0.0), frame.normal);
+  const Sums sums = integrate(surface, frame, section, options);
+  const Row drilling = drilling_strain(point_at(surface, 0.0, 0.0), frame.normal, options);
   const Matrix24 stretching = sums.stretching + drilling_share * mean_shear(section.membrane) * sums.shares.sum() *
                                                     drilling.transpose() * drilling;
   const Matrix24 bending =
@@ -358,10 +382,11 @@ struct OffsetSurface {
 
 }  // namespace
 
-ElementMatrices shell4(const Corners& corners, double poissons_ratio, const ShellProperty& property,
-                       MassKind mass_kind) {
+ElementMatrices shell4(const Corners& corners, double poissons_ratio, const ShellProperty& property, MassKind mass_kind,
+                       const DrillingOptions& drilling) {
   const OffsetSurface offset(corners, property.offset);
-  auto stiffness = stiffness_of(offset.surface, Eigen::Vector3d::Zero(), isotropic_section(poissons_ratio, 1.0));
+  auto stiffness =
+      stiffness_of(offset.surface, Eigen::Vector3d::Zero(), isotropic_section(poissons_ratio, 1.0), drilling);
   ElementMatrices matrices{
       .stiffness = {{{.youngs_modulus = 1, .thickness = 1}, std::move(stiffness.stretching)},
                     {{.youngs_modulus = 1, .thickness = 3}, std::move(stiffness.bending)}},
@@ -371,9 +396,9 @@ ElementMatrices shell4(const Corners& corners, double poissons_ratio, const Shel
 }
 
 ElementMatrices shell4(const Corners& corners, const LaminateProperty& property, const Eigen::Vector3d& direction,
-                       MassKind mass_kind) {
+                       MassKind mass_kind, const DrillingOptions& drilling) {
   const OffsetSurface offset(corners, property.offset);
-  const auto stiffness = stiffness_of(offset.surface, direction, property.stiffness);
+  const auto stiffness = stiffness_of(offset.surface, direction, property.stiffness, drilling);
   ElementMatrices matrices{
       .stiffness = {{{}, stiffness.stretching + stiffness.bending}},
       .mass = section_mass(plate_mass(stiffness.shares, mass_kind), property.mass, property.rotary_inertia)};
@@ -382,11 +407,12 @@ ElementMatrices shell4(const Corners& corners, const LaminateProperty& property,
 }
 
 ShellStrains shell4_strains(const Corners& corners, const ShellStiffness& section, double offset,
-                            const Eigen::Vector3d& direction, const Eigen::VectorXd& motions) {
+                            const Eigen::Vector3d& direction, const Eigen::VectorXd& motions,
+                            const DrillingOptions& drilling) {
   const OffsetSurface moved(corners, offset);
   const Frame frame = frame_of(moved.surface, direction);
   const Eigen::Matrix<double, 24, 1> u = moved_by_arms(motions, moved.arms);
-  const auto points = gauss_points(moved.surface, frame);
+  const auto points = gauss_points(moved.surface, frame, drilling);
   const Eigen::Vector4d amounts = enhanced_membrane(points, section).amounts() * u;
   Eigen::Matrix<double, 8, 4> sampled;
   Eigen::Matrix4d shapes;  // of the corners at the points

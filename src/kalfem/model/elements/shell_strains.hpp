@@ -23,12 +23,15 @@ struct ShellStrains {
 /// `section`: of the property, at its thickness; `offset`, `direction`: as of LaminateProperty.
 /// Throws ElementShapeError as the elements do.
 ShellStrains shell_strains(const Eigen::Matrix3Xd& corners, const ShellStiffness& section, double offset,
-                           const Eigen::Vector3d& direction, const Eigen::VectorXd& motions);
+                           const Eigen::Vector3d& direction, const Eigen::VectorXd& motions,
+                           const DrillingOptions& drilling = {});
 
 ShellStrains shell3_strains(const Eigen::Matrix<double, 3, 3>& corners, const ShellStiffness& section, double offset,
-                            const Eigen::Vector3d& direction, const Eigen::VectorXd& motions);
+                            const Eigen::Vector3d& direction, const Eigen::VectorXd& motions,
+                            const DrillingOptions& drilling = {});
 ShellStrains shell4_strains(const Eigen::Matrix<double, 3, 4>& corners, const ShellStiffness& section, double offset,
-                            const Eigen::Vector3d& direction, const Eigen::VectorXd& motions);
+                            const Eigen::Vector3d& direction, const Eigen::VectorXd& motions,
+                            const DrillingOptions& drilling = {});
 
 /// Motions of places that stand off the nodes by rigid arms, u = u_node + theta x arm.
 Eigen::VectorXd moved_by_arms(Eigen::VectorXd motions, const Eigen::Matrix3Xd& arms);

@@ -81,9 +81,9 @@ SolidPoint solid_tangents(const IntegrationPoint& at, const SolidNodes& nodes);
 /// Strains of the displacements u = sum_i N_i u_i, by the gradients of N_i.
 StrainMatrix strain_matrix(const ShapeSlopes& gradients);
 
-/// Throws ElementShapeError for coordinates that are not finite, nodes that coincide, a shape that is flat or inside
-/// out, and a linear shape that is folded at a corner. A Jacobian of zero at a corner, as that of a face with an angle
-/// of 180 degrees or of sides with their middle nodes at a quarter, is no fault.
+/// Throws ElementShapeError for coordinates that are not finite, nodes that coincide and a shape that is inside out. A
+/// Jacobian of zero or less at some corners, as that of a face with an angle of 180 degrees or more, or of sides with
+/// their middle nodes at a quarter, is no fault where that at the integration points is positive, see solid_points().
 void require_sound(CellShape shape, const SolidNodes& nodes);
 
 /// Isotropic elasticity per unit Young's modulus,

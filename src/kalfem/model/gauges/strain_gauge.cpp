@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kalfem/model/assembly/shell_edges.hpp"
 #include "kalfem/model/elements/solid_strains.hpp"
+#include "kalfem/model/elements/tapered_beam.hpp"
 #include "kalfem/model/gauges/nearest_place.hpp"
 
 namespace kalfem {
@@ -35,8 +37,10 @@ double along(const Eigen::Vector3d& d, const Strain& strain) {
 /// The strain of a gauge under motions of its cell's nodes, by the kind of the property.
 class GaugeStrain {
 public:
-  GaugeStrain(const FiniteElementModel& model, const StrainGauge& gauge, std::size_t place_in_region)
+  GaugeStrain(const FiniteElementModel& model, const DrillingOptions& drilling, const StrainGauge& gauge,
+              std::size_t place_in_region)
       : model_(model),
+        drilling_(drilling),
         gauge_(gauge),
         place_in_region_(place_in_region),
         cell_(model.mesh.cells[static_cast<std::size_t>(gauge.cell)]),
@@ -73,7 +77,7 @@ public:
       const auto ends =
           beam_forces(nodes_, property, property.placement(place_in_region_), material, model_.mass_kind, motions);
       const SectionForces forces = shares_[0] * ends[0] + shares_[1] * ends[1];
-      return axial_stress(forces, property.section, gauge_.fibre) / material.youngs_modulus;
+      return axial_stress(forces, section_at(property, shares_[1]), gauge_.fibre) / material.youngs_modulus;
     });
   }
 
@@ -93,7 +97,7 @@ private:
   [[nodiscard]] VectorXd of_shell(const ShellStiffness& section, double offset, const Eigen::Vector3d& x_axis,
                                   double height) const {
     return by_unit_motions(6, [&](const VectorXd& motions) {
-      const ShellStrains strains = shell_strains(nodes_, section, offset, x_axis, motions);
+      const ShellStrains strains = shell_strains(nodes_, section, offset, x_axis, motions, drilling_);
       const SectionStrain here = strains.corners * shares_;
       const Eigen::Vector3d plane = here.head<3>() + height * here.segment<3>(3);
       const Eigen::Vector2d a = direction_in_surface(strains.axes);
@@ -113,6 +117,7 @@ private:
   }
 
   const FiniteElementModel& model_;
+  const DrillingOptions& drilling_;
   const StrainGauge& gauge_;
   std::size_t place_in_region_;
   const Cell& cell_;
@@ -136,12 +141,15 @@ VectorXd over_independent(const DofSum& row, const AssembledModel& assembled) {
 
 DofSum strain_row(const FiniteElementModel& model, const StrainGauge& gauge) {
   const auto [property, place] = property_of(model, gauge.cell);
-  const VectorXd coefficients = std::visit(GaugeStrain(model, gauge, place), property);
+  const ShellEdges edges(model);
+  const VectorXd coefficients = std::visit(GaugeStrain(model, edges.drilling(gauge.cell), gauge, place), property);
   const int per_node = motions_per_node(property);
   const auto nodes = model.mesh.nodes_of(model.mesh.cells[static_cast<std::size_t>(gauge.cell)]);
   DofSum row;
   for (Index i = 0; i < coefficients.size(); ++i)
     row.push_back({{nodes[static_cast<std::size_t>(i / per_node)], static_cast<int>(i % per_node)}, coefficients[i]});
+  for (const auto& [motion, dof, share] : edges.shares(gauge.cell))
+    row.push_back({{dof / 6, static_cast<int>(dof % 6)}, share * coefficients[motion]});
   return row;
 }
 

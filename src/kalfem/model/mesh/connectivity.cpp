@@ -107,10 +107,29 @@ std::vector<std::vector<Eigen::Index>> connected_parts(const FiniteElementModel&
   return parts;
 }
 
-void require_connected(const FiniteElementModel& model) {
+bool has_loose_parts(const FiniteElementModel& model, const std::vector<std::vector<Eigen::Index>>& parts,
+                     const std::vector<Eigen::Index>& joined) {
+  std::vector<bool> held(static_cast<std::size_t>(model.mesh.node_count()), false);
+  const auto hold = [&](Eigen::Index node) { held[static_cast<std::size_t>(node)] = true; };
+  std::ranges::for_each(joined, hold);
+  for (const auto& support : model.fixed) std::ranges::for_each(support.nodes, hold);
+  for (const auto& spring : model.springs)
+    if (!spring.to) hold(spring.from.node);
+  for (const auto& constraint : model.constraints) {
+    if (constraint.terms.empty()) continue;
+    const auto first = constraint.terms.front().first.node;
+    if (std::ranges::all_of(constraint.terms, [&](const auto& term) { return term.first.node == first; })) hold(first);
+  }
+  const auto is_loose = [&](const std::vector<Eigen::Index>& part) {
+    return std::ranges::none_of(part, [&](Eigen::Index node) { return held[static_cast<std::size_t>(node)]; });
+  };
+  return parts.size() > 1 && std::ranges::any_of(parts, is_loose);
+}
+
+bool require_connected(const FiniteElementModel& model, const std::vector<Eigen::Index>& joined) {
   constexpr std::size_t most_told = 20;
   const auto parts = connected_parts(model);
-  if (parts.size() < 2) return;
+  if (!has_loose_parts(model, parts, joined)) return has_loose_parts(model, parts, {});
   std::string text;
   for (std::size_t i = 0; i < std::min(parts.size(), most_told); ++i) {
     const auto& part = parts[i];
@@ -123,7 +142,8 @@ void require_connected(const FiniteElementModel& model) {
   throw InvalidInput(Issue{{model.mesh.source, 0},
                            "the structure consists of " + std::to_string(parts.size()) + " unconnected parts: " + text,
                            "its parts move independently",
-                           "merge coincident nodes, or connect the parts by links, constraints or springs"});
+                           "merge coincident nodes, hold each part, or connect the parts by links, constraints or "
+                           "springs, or by connectors of a case"});
 }
 
 namespace {

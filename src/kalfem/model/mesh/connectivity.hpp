@@ -59,9 +59,15 @@ void visit_items(const FiniteElementModel& model, const Visit& visit) {
 /// and a support join nothing.
 std::vector<std::vector<Eigen::Index>> connected_parts(const FiniteElementModel& model);
 
-/// Throws InvalidInput where the model falls into several parts: names each by its number of nodes, one node and the
-/// region that it lies in.
-void require_connected(const FiniteElementModel& model);
+/// Whether a model falls into parts of which one hangs on nothing: it has no support, no spring to a ground and no
+/// constraint of one node alone, and `joined`, the nodes at which something outside the model acts, holds none of its
+/// nodes. `parts`: connected_parts() of the model.
+bool has_loose_parts(const FiniteElementModel& model, const std::vector<std::vector<Eigen::Index>>& parts,
+                     const std::vector<Eigen::Index>& joined);
+
+/// Throws InvalidInput where the model has loose parts: names each part by its number of nodes, one node and the region
+/// that it lies in. Returns whether there are several parts of which one is joined from outside alone.
+bool require_connected(const FiniteElementModel& model, const std::vector<Eigen::Index>& joined = {});
 
 /// Pairs of nodes (by index, the lower first) that are nearer to each other than `tolerance` [m], of those marked; by a
 /// hash of a grid, in a time that grows with the number of nodes. Of many nodes at one place, each is paired with at

@@ -111,6 +111,17 @@ BeamSection rectangular_tube_section(double width_y, double height_z, double wal
           .outline = rectangle_outline(width_y, height_z)};
 }
 
+double box_torsion(double width, double height, const std::array<double, 2>& along_width,
+                   const std::array<double, 2>& along_height) {
+  double flexibility = 0.0, open = 0.0;
+  for (const auto& [length, walls] : {std::pair{width, along_width}, {height, along_height}})
+    for (const double wall : walls) {
+      flexibility += length / wall;
+      open += length * wall * wall * wall / 3.0;
+    }
+  return 4.0 * std::pow(width * height, 2) / flexibility + open;
+}
+
 std::string material_of(const RegionProperty& property) {
   return std::visit(
       [](const auto& kind) -> std::string {

@@ -57,6 +57,13 @@ BeamSection circular_tube_section(double outer_diameter, double wall, double poi
 /// Rectangular tube with sharp corners: A and I exact, J by Bredt's formula and the shear factors for a thin wall.
 BeamSection rectangular_tube_section(double width_y, double height_z, double wall, double poissons_ratio = 0.3);
 
+/// Torsion constant of a box of thin walls of any thickness t, between the middles of its corners l long:
+///     J = 4 A_m^2 / sum(l / t) + sum(l t^3) / 3,   A_m = width * height
+/// Bredt's closed part, and that of the walls alone, which is all that stays where one of them is slit [TG70].
+/// `along_width`: walls at the bottom and the top, `along_height` at the left and the right [m].
+double box_torsion(double width, double height, const std::array<double, 2>& along_width,
+                   const std::array<double, 2>& along_height);
+
 /// Thickness of a region of triangles and quadrilaterals.
 struct ShellProperty {
   std::string material;
@@ -99,13 +106,32 @@ struct BeamPlacement {
   std::array<bool, 12> released = {};       ///< hinges: local motions of the ends that carry no force
 };
 
+/// What a beam has at one place of its line.
+struct BeamStation {
+  double place = 0.0;  ///< share of the line from its first end, 0 to 1
+  BeamSection section;
+  double nonstructural_mass = 0.0;     ///< [kg/m]
+  double nonstructural_inertia = 0.0;  ///< of that mass about its centre, as the section twists [kg m]
+  Eigen::Vector2d nonstructural_centre = Eigen::Vector2d::Zero();  ///< from the shear centre: local y, z [m]
+};
+
+/// Which rotations of its ends have inertia where the mass of a beam is lumped, beside that of masses off the line.
+enum class LumpedInertia {
+  all,    ///< twist and bending
+  twist,  ///< as CBEAM of Nastran
+  none    ///< as CBAR and the rods of Nastran
+};
+
 /// Section of a region of lines.
 struct BeamProperty {
   std::string material;
-  BeamSection section;
+  BeamSection section;                                             ///< of a tapered beam the mean over its length
   std::vector<BeamPlacement> placements = {BeamPlacement{}};       ///< one for all cells of the region, or one each
   double nonstructural_mass = 0.0;                                 ///< beside rho A [kg/m]
   Eigen::Vector2d nonstructural_centre = Eigen::Vector2d::Zero();  ///< of it, from the shear centre: local y, z [m]
+  /// Of a tapered beam, which is linear between them, by ascending place, the first at 0 and the last at 1.
+  std::vector<BeamStation> stations = {};
+  LumpedInertia lumped_inertia = LumpedInertia::all;
 
   [[nodiscard]] const BeamPlacement& placement(std::size_t cell) const {
     return placements.size() == 1 ? placements.front() : placements[cell];

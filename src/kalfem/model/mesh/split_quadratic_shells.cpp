@@ -46,6 +46,9 @@ public:
       const Eigen::Index c = add_centre(n);
       pieces = {{n[0], n[4], c, n[7]}, {n[4], n[1], n[5], c}, {c, n[5], n[2], n[6]}, {n[7], c, n[6], n[3]}};
     }
+    if (cell.shape != CellShape::line3)
+      for (std::size_t i = 0, corners = n.size() / 2; i < corners; ++i)
+        middles_[n[corners + i]] = {n[i], n[(i + 1) % corners]};
     for (auto& piece : pieces) {
       if (piece.size() == 4) piece = without_repeated(piece);
       parts.push_back(parts.empty() ? put(index, cell.id, piece) : put(-1, ++last_cell_, piece));
@@ -68,6 +71,9 @@ public:
     const auto place = parts_.find(cell);
     return place == parts_.end() ? 1 : place->second.size();
   }
+
+  /// Nodes amid the sides of the shells, with the corners beside.
+  [[nodiscard]] const std::map<Eigen::Index, std::array<Eigen::Index, 2>>& side_middles() const { return middles_; }
 
   void finish() {
     const Eigen::Index before = mesh_.node_count();
@@ -109,6 +115,7 @@ private:
   std::int64_t last_node_ = 0, last_cell_ = 0;
   std::vector<Eigen::Vector3d> centres_;
   std::map<Eigen::Index, std::vector<Eigen::Index>> parts_;
+  std::map<Eigen::Index, std::array<Eigen::Index, 2>> middles_;
 };
 
 /// The two halves of a beam's placement.
@@ -176,6 +183,7 @@ void replace_quadratic(FiniteElementModel& model) {
       expand_directions(*laminate, cells->second, replacement);
   }
   replacement.finish();
+  model.side_middles.insert(replacement.side_middles().begin(), replacement.side_middles().end());
 }
 
 }  // namespace kalfem

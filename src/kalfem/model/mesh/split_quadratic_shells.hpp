@@ -11,6 +11,7 @@ namespace kalfem {
 /// * a 6-node triangle by four triangles;
 /// * a 3-node line by two lines, whose placements share the offset of the middle evenly and keep the hinges of their
 ///   ends.
+/// The nodes amid the sides of shells become the model's `side_middles`, so that nodal forces keep their meaning.
 /// Placements and directions of cells pass to their parts. The first part keeps the cell's number, the others and the
 /// new nodes take numbers beyond the largest; all parts stand in every region that held the cell; node sets are kept.
 /// Solids and linear cells stay as they are.

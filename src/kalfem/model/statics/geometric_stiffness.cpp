@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "kalfem/model/elements/solid.hpp"
+#include "kalfem/model/statics/bar_preload.hpp"
 #include "kalfem/model/statics/rotation.hpp"
 #include "kalfem/model/statics/statics.hpp"
 
@@ -138,12 +139,37 @@ Eigen::SparseMatrix<double> geometric_stiffness(const FiniteElementModel& model,
   return sum.matrix();
 }
 
-SparseMatrix preload_stiffness(const FiniteElementModel& model, const LoadCase& load_case) {
+Preload preload_of(const FiniteElementModel& model, const LoadCase& load_case) {
   const auto solution = solve_statics(model, load_case);
-  const auto stresses = recover_stresses(model, solution.displacements, load_case.field());
-  SparseMatrix stiffness = geometric_stiffness(model, stresses);
-  if (load_case.rotation) stiffness += spin_softening(model, *load_case.rotation);
-  return stiffness;
+  const auto stresses = recover_stresses(model, solution.displacements, load_case.field(), load_case.beam_loads);
+  Preload preload{
+      .stiffness = geometric_stiffness(model, stresses) + bar_preload_stiffness(model, solution.displacements),
+      .ignored = springs_without_preload(model, solution.displacements)};
+  if (load_case.rotation) preload.stiffness += spin_softening(model, *load_case.rotation);
+  return preload;
+}
+
+NodalMatrices preload_matrices(const FiniteElementModel& model, const LoadCase& load_case) {
+  const SparseMatrix all = preload_of(model, load_case).stiffness;
+  NodalMatrices matrices{.name = "preload", .dofs = {}, .stiffness = {}, .mass = {}, .damping = {}};
+  std::vector<int> place(static_cast<std::size_t>(all.cols()), -1);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Index j = 0; j < all.cols(); ++j)
+    if (SparseMatrix::InnerIterator(all, j)) {
+      place[static_cast<std::size_t>(j)] = static_cast<int>(matrices.dofs.size());
+      matrices.dofs.push_back({j / 6, static_cast<int>(j % 6)});
+    }
+  for (Index j = 0; j < all.cols(); ++j)
+    for (SparseMatrix::InnerIterator it(all, j); it; ++it)
+      entries.emplace_back(place[static_cast<std::size_t>(it.row())], place[static_cast<std::size_t>(j)], it.value());
+  const auto size = static_cast<Index>(matrices.dofs.size());
+  matrices.stiffness.resize(size, size);
+  matrices.stiffness.setFromTriplets(entries.begin(), entries.end());
+  return matrices;
+}
+
+SparseMatrix preload_stiffness(const FiniteElementModel& model, const LoadCase& load_case) {
+  return preload_of(model, load_case).stiffness;
 }
 
 }  // namespace kalfem

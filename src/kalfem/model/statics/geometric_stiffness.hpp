@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "kalfem/model/linear_model.hpp"
 #include "kalfem/model/statics/load_case.hpp"
 #include "kalfem/model/statics/stresses.hpp"
@@ -16,8 +19,19 @@ namespace kalfem {
 Eigen::SparseMatrix<double> geometric_stiffness(const FiniteElementModel& model,
                                                 const std::vector<RegionStress>& stresses);
 
-/// What a load case adds to the stiffness of the structure that carries it: geometric_stiffness() of its stresses and,
-/// where it rotates, spin_softening(). Throws as StaticAnalysis does.
+/// What a load case adds to the stiffness of the structure that carries it.
+struct Preload {
+  /// geometric_stiffness() of its stresses, bar_preload_stiffness() and, where it rotates, spin_softening().
+  SparseMatrix stiffness;
+  std::vector<std::string> ignored;  ///< names of springs and matrices, see springs_without_preload()
+};
+/// Throws as StaticAnalysis does.
+Preload preload_of(const FiniteElementModel& model, const LoadCase& load_case);
+
+/// The stiffness alone, as matrices between the degrees of freedom that it touches: for a model that keeps its preload.
+NodalMatrices preload_matrices(const FiniteElementModel& model, const LoadCase& load_case);
+
+/// The stiffness alone.
 SparseMatrix preload_stiffness(const FiniteElementModel& model, const LoadCase& load_case);
 
 }  // namespace kalfem

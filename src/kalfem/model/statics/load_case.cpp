@@ -120,14 +120,35 @@ AccelerationField LoadCase::field() const {
 
 bool is_empty(const LoadCase& load_case) {
   return load_case.loads.empty() && load_case.pressures.empty() && load_case.imposed.empty() &&
-         load_case.gravity.isZero(0.0) && !load_case.rotation;
+         load_case.beam_loads.empty() && load_case.gravity.isZero(0.0) && !load_case.rotation;
 }
+
+namespace {
+
+// A constant force p per length gives the nodes of a quadratic side of the length l the forces p l [1, 4, 1] / 6, those
+// of the two linear sides in its place p l [1, 2, 1] / 4: a force at the middle acts with 3/4 there and 1/8 at each
+// end.
+void add_force(const FiniteElementModel& model, Eigen::Index node, const Eigen::Vector3d& force,
+               Eigen::VectorXd& forces) {
+  const auto side = model.side_middles.find(node);
+  const double own = side == model.side_middles.end() ? 1.0 : 0.75;
+  forces.segment<3>(6 * node) += own * force;
+  if (side != model.side_middles.end())
+    for (const auto end : side->second) forces.segment<3>(6 * end) += 0.125 * force;
+}
+
+}  // namespace
 
 Eigen::VectorXd nodal_forces(const FiniteElementModel& model, const LoadCase& load_case) {
   Eigen::VectorXd forces = Eigen::VectorXd::Zero(6 * model.mesh.node_count());
   for (const auto& load : load_case.loads) {
-    forces.segment<3>(6 * load.node) += load.force;
+    add_force(model, load.node, load.force, forces);
     forces.segment<3>(6 * load.node + 3) += load.moment;
+  }
+  for (const auto& [cell, ends] : load_case.beam_loads) {
+    const auto nodes = model.mesh.nodes_of(model.mesh.cells[static_cast<std::size_t>(cell)]);
+    for (std::size_t i = 0; i < 2; ++i)
+      forces.segment<6>(6 * nodes[i]) += ends.segment<6>(6 * static_cast<Eigen::Index>(i));
   }
   for (const auto& [faces, pressure] : load_case.pressures)
     for (const auto& face : faces) {

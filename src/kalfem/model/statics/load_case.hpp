@@ -30,6 +30,12 @@ struct SurfacePressure {
   double pressure = 0.0;  ///< [Pa]
 };
 
+/// A load between the ends of a beam, as forces and moments at its two nodes, global axes, see beam_loads.hpp.
+struct BeamLoad {
+  Eigen::Index cell = 0;
+  Eigen::Matrix<double, 12, 1> forces = Eigen::Matrix<double, 12, 1>::Zero();  ///< [N, N m]
+};
+
 /// A displacement [m] or rotation [rad] that is held at a value.
 struct ImposedMotion {
   NodalDof dof;
@@ -65,6 +71,9 @@ struct LoadCase {
       Eigen::Vector3d::Zero();            ///< acceleration of the field [m/s^2]: a mass m has the weight m g
   std::optional<Rotation> rotation = {};  ///< its centrifugal field acts on every mass
   std::vector<ImposedMotion> imposed;
+  std::vector<BeamLoad> beam_loads = {};
+  std::optional<std::vector<FixedNodes>> supports = {};  ///< instead of the model's
+  bool of_deck = false;                                  ///< one of a deck's cases, which may load supports alone
 
   /// Of gravity and rotation together.
   [[nodiscard]] AccelerationField field() const;
@@ -74,7 +83,9 @@ struct LoadCase {
 bool is_empty(const LoadCase& load_case);
 
 /// Forces of the loads and pressures at every degree of freedom, 6 to a node; without gravity and rotation. Pressure is
-/// integrated by the shape functions of the face, f_i = -p int N_i n dA, exactly for straight sides.
+/// integrated by the shape functions of the face, f_i = -p int N_i n dA, exactly for straight sides. A force at a node
+/// amid the side of a quadratic shell that linear ones replace acts with 3/4 there and 1/8 at each of the side's ends,
+/// so that the forces of a constant stress stay in equilibrium with it.
 Eigen::VectorXd nodal_forces(const FiniteElementModel& model, const LoadCase& load_case);
 
 /// Parts of a load that is spread evenly over cells, by node; they sum up to 1. Lines and surfaces count by their

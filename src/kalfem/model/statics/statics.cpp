@@ -20,29 +20,33 @@ using Eigen::VectorXd;
 
 constexpr const char* imposed_name = "imposed motion";
 
-FiniteElementModel without_supports(FiniteElementModel model) {
-  model.fixed.clear();
-  return model;
-}
-
 /// Degrees of freedom that supports or load cases hold: coordinates of their own although links may let them follow.
-std::vector<NodalDof> prescribed_dofs(const std::map<NodalDof, std::string>& supported,
+std::vector<NodalDof> prescribed_dofs(const std::vector<std::map<NodalDof, std::string>>& supported,
                                       const std::vector<LoadCase>& cases) {
   std::set<NodalDof> dofs;
-  for (const auto& [dof, support] : supported) dofs.insert(dof);
+  for (const auto& of_case : supported)
+    for (const auto& [dof, support] : of_case) dofs.insert(dof);
   for (const auto& each : cases)
     for (const auto& motion : each.imposed) dofs.insert(motion.dof);
   return {dofs.begin(), dofs.end()};
 }
 
 /// Degrees of freedom that supports hold, with the supports' names.
-std::map<NodalDof, std::string> supported_dofs(const FiniteElementModel& model) {
+std::map<NodalDof, std::string> supported_dofs(const std::vector<FixedNodes>& supports) {
   std::map<NodalDof, std::string> held;
-  for (const auto& support : model.fixed)
+  for (const auto& support : supports)
     for (const auto node : support.nodes)
       for (int direction = 0; direction < 6; ++direction)
         if (support.directions[static_cast<std::size_t>(direction)]) held.insert({{node, direction}, support.name});
   return held;
+}
+
+/// Of each load case: its own supports, or the model's.
+std::vector<std::map<NodalDof, std::string>> supported_dofs(const FiniteElementModel& model,
+                                                            const std::vector<LoadCase>& cases) {
+  std::vector<std::map<NodalDof, std::string>> all;
+  for (const auto& each : cases) all.push_back(supported_dofs(each.supports ? *each.supports : model.fixed));
+  return all;
 }
 
 /// A prescribed degree of freedom: where it stands among those of the released model, who holds it, at what value.
@@ -97,15 +101,16 @@ public:
   Solver(const FiniteElementModel& model, std::vector<LoadCase> cases)
       : model_(model),
         cases_(std::move(cases)),
-        supported_(supported_dofs(model)),
-        assembled_(assemble(without_supports(model), {.independent = prescribed_dofs(supported_, cases_)})),
+        supported_(supported_dofs(model, cases_)),
+        assembled_(assemble(model, {.independent = prescribed_dofs(supported_, cases_), .release_supports = true})),
         stiffness_(evaluate(assembled_.stiffness, assembled_.parameters)) {
     IssueList issues;
-    for (const auto& each : cases_) {
+    for (std::size_t i = 0; i < cases_.size(); ++i) {
+      const LoadCase& each = cases_[i];
       nodal_.push_back(nodal_forces(model_, each));
       check_loads(nodal_.back(), each, issues);
       if (each.rotation) nodal_.back() += centrifugal_forces(model_, *each.rotation);
-      prescribed_.push_back(prescribed_by(each, issues));
+      prescribed_.push_back(prescribed_by(each, supported_[i], issues));
       if (issues.empty()) require_effect(each, nodal_.back(), prescribed_.back(), issues);
     }
     issues.raise();
@@ -131,9 +136,11 @@ public:
 
 private:
   /// Positions of what is prescribed, ascending.
-  [[nodiscard]] std::vector<Prescribed> prescribed_by(const LoadCase& load_case, IssueList& issues) const {
+  [[nodiscard]] std::vector<Prescribed> prescribed_by(const LoadCase& load_case,
+                                                      const std::map<NodalDof, std::string>& supported,
+                                                      IssueList& issues) const {
     std::map<Index, Prescribed> all;
-    for (const auto& [dof, support] : supported_)
+    for (const auto& [dof, support] : supported)
       if (const Index place = assembled_.find(dof); place >= 0) all[place] = {place, support, 0.0};
     for (const auto& [dof, value, of_support] : load_case.imposed) {
       const Index place = assembled_.find(dof);
@@ -142,7 +149,7 @@ private:
         continue;
       }
       const std::string title = title_of(load_case) + " imposes a motion on " + dof_name(model_.mesh, dof);
-      if (const auto support = supported_.find(dof); support != supported_.end())
+      if (const auto support = supported.find(dof); support != supported.end())
         issues.add({}, title + ", which the support '" + support->second + "' holds", "it cannot be at two places",
                    "remove the imposed motion, or this direction from the support");
       else if (place < 0)
@@ -183,7 +190,7 @@ private:
   /// speed 0, the first of several.
   void require_effect(const LoadCase& load_case, const VectorXd& nodal, const std::vector<Prescribed>& prescribed,
                       IssueList& issues) const {
-    if (load_case.rotation) return;
+    if (load_case.rotation || load_case.of_deck) return;
     VectorXd forces = forces_of(load_case, nodal);
     for (const auto& each : prescribed) forces[each.place] = 0.0;
     if (forces.isZero(0.0) && values_of(prescribed).isZero(0.0))
@@ -299,8 +306,8 @@ private:
 
   const FiniteElementModel& model_;
   std::vector<LoadCase> cases_;
-  std::map<NodalDof, std::string> supported_;
-  AssembledModel assembled_;  ///< without supports
+  std::vector<std::map<NodalDof, std::string>> supported_;  ///< by load case
+  AssembledModel assembled_;                                ///< without supports
   SparseMatrix stiffness_;
   std::vector<VectorXd> nodal_;                       ///< forces, by load case
   std::vector<std::vector<Prescribed>> prescribed_;   ///< the same

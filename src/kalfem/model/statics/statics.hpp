@@ -28,8 +28,8 @@ struct StaticSolution {
 
 /// Linear statics K u = f of load cases, f of loads, pressure, gravity and rotation.
 ///
-/// The model is assembled without its supports. Degrees of freedom that these hold, and those with an imposed motion,
-/// are prescribed (p), all others free (f):
+/// The model is assembled without its supports, which a load case may replace by its own. Degrees of freedom that these
+/// hold, and those with an imposed motion, are prescribed (p), all others free (f):
 ///     K_ff u_f = f_f - K_fp u_p,   reactions r = K_pf u_f + K_pp u_p - f_p,
 /// so a reaction is exact also where links end at a support. The solution is refined twice with its own residual. The
 /// weight of a mass M in the field g is M R g with the rigid translations R. Load cases that prescribe the same degrees

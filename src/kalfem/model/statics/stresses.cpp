@@ -3,7 +3,9 @@
 #include <array>
 #include <cmath>
 
+#include "kalfem/model/assembly/shell_edges.hpp"
 #include "kalfem/model/elements/solid_strains.hpp"
+#include "kalfem/model/elements/tapered_beam.hpp"
 
 namespace kalfem {
 namespace {
@@ -38,9 +40,14 @@ Strain layer_strain(const Eigen::Vector3d& plane, const Eigen::Matrix3d& axes, d
 /// Recovers the cells of a region by the kind of its property.
 class Recovery {
 public:
-  Recovery(const FiniteElementModel& model, const VectorXd& displacements, const AccelerationField& field,
-           RegionStress& region)
-      : model_(model), displacements_(displacements), field_(field), region_(region) {}
+  Recovery(const FiniteElementModel& model, const ShellEdges& edges, const VectorXd& displacements,
+           const AccelerationField& field, const std::vector<BeamLoad>& beam_loads, RegionStress& region)
+      : model_(model),
+        edges_(edges),
+        displacements_(displacements),
+        field_(field),
+        beam_loads_(beam_loads),
+        region_(region) {}
 
   void operator()(const SolidProperty& property) {
     const auto& material = model_.materials.at(property.material);
@@ -62,8 +69,8 @@ public:
     const ShellStiffness unit = isotropic_section(nu, t);
     const Eigen::Matrix3d elasticity = material.youngs_modulus * plane_stress(nu);
     for_each_cell([&](Index index, const Cell& cell, std::size_t) {
-      const ShellStrains strains =
-          shell_strains(places(cell), unit, property.offset, Eigen::Vector3d::Zero(), motions(cell, 6));
+      const ShellStrains strains = shell_strains(places(cell), unit, property.offset, Eigen::Vector3d::Zero(),
+                                                 corner_motions(index), edges_.drilling(index));
       CellStress stress{.cell = index, .normal = strains.axes.row(2)};
       for (const auto& [layer, height] :
            {std::pair{Layer::top, 0.5 * t}, {Layer::middle, 0.0}, {Layer::bottom, -0.5 * t}}) {
@@ -87,7 +94,8 @@ public:
   void operator()(const LaminateProperty& property) {
     for_each_cell([&](Index index, const Cell& cell, std::size_t place) {
       const ShellStrains strains =
-          shell_strains(places(cell), property.stiffness, property.offset, property.direction(place), motions(cell, 6));
+          shell_strains(places(cell), property.stiffness, property.offset, property.direction(place),
+                        corner_motions(index), edges_.drilling(index));
       add_resultants(index, strains, 1.0, property.stiffness);
     });
   }
@@ -97,10 +105,11 @@ public:
     for_each_cell([&](Index index, const Cell& cell, std::size_t place) {
       BeamStress stress{.cell = index,
                         .ends = beam_forces(places(cell), property, property.placement(place), material,
-                                            model_.mass_kind, motions(cell, 6), at_nodes(cell))};
+                                            model_.mass_kind, motions(cell, 6), at_nodes(cell), loads_of(index))};
       for (std::size_t end = 0; end < 2; ++end) {
-        stress.axial[end] = stress.ends[end][0] / property.section.area;
-        stress.fibres[end] = fibre_stress(stress.ends[end], property.section);
+        const BeamSection section = section_at(property, static_cast<double>(end));
+        stress.axial[end] = stress.ends[end][0] / section.area;
+        stress.fibres[end] = fibre_stress(stress.ends[end], section);
       }
       region_.beams.push_back(stress);
     });
@@ -123,6 +132,14 @@ private:
     return (field_.gradient * places(cell)).colwise() + field_.constant;
   }
 
+  /// What loads on its line add up to at the nodes of a beam.
+  [[nodiscard]] Eigen::Matrix<double, 12, 1> loads_of(Index cell) const {
+    Eigen::Matrix<double, 12, 1> sum = Eigen::Matrix<double, 12, 1>::Zero();
+    for (const auto& load : beam_loads_)
+      if (load.cell == cell) sum += load.forces;
+    return sum;
+  }
+
   /// The first `count` motions of each node of the cell.
   [[nodiscard]] VectorXd motions(const Cell& cell, Index count) const {
     const auto nodes = model_.mesh.nodes_of(cell);
@@ -130,6 +147,11 @@ private:
     for (std::size_t i = 0; i < nodes.size(); ++i)
       all.segment(count * static_cast<Index>(i), count) = displacements_.segment(6 * nodes[i], count);
     return all;
+  }
+
+  /// Of a shell.
+  [[nodiscard]] VectorXd corner_motions(Index cell) const {
+    return edges_.corner_motions(model_.mesh, cell, displacements_);
   }
 
   void add_resultants(Index cell, const ShellStrains& strains, double modulus, const ShellStiffness& section) {
@@ -143,8 +165,10 @@ private:
   }
 
   const FiniteElementModel& model_;
+  const ShellEdges& edges_;
   const VectorXd& displacements_;
   const AccelerationField& field_;
+  const std::vector<BeamLoad>& beam_loads_;
   RegionStress& region_;
 };
 
@@ -166,11 +190,12 @@ const char* to_string(Layer layer) {
 }
 
 std::vector<RegionStress> recover_stresses(const FiniteElementModel& model, const VectorXd& displacements,
-                                           const AccelerationField& field) {
+                                           const AccelerationField& field, const std::vector<BeamLoad>& beam_loads) {
+  const ShellEdges edges(model);
   std::vector<RegionStress> regions;
   for (const auto& [region, property] : model.properties) {
     regions.push_back({.region = region});
-    std::visit(Recovery(model, displacements, field, regions.back()), property);
+    std::visit(Recovery(model, edges, displacements, field, beam_loads, regions.back()), property);
   }
   return regions;
 }

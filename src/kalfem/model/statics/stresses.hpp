@@ -62,9 +62,11 @@ struct RegionStress {
 
 /// Stresses under the displacements [m] and rotations [rad] of all nodes, 6 to a node: sigma = D epsilon with the
 /// strains of solid_strains() and shell_strains(), and beam_forces(). Transverse shear stress of shells is left out: it
-/// is 0 at their surfaces. `field`: acts on the mass between the ends of beams, see beam_forces().
+/// is 0 at their surfaces. `field`: acts on the mass between the ends of beams, and `beam_loads` on their lines, see
+/// beam_forces().
 std::vector<RegionStress> recover_stresses(const FiniteElementModel& model, const Eigen::VectorXd& displacements,
-                                           const AccelerationField& field = {});
+                                           const AccelerationField& field = {},
+                                           const std::vector<BeamLoad>& beam_loads = {});
 
 /// Stress of a region at its nodes: the mean over the cells that meet at a node with one surface. Where normals of
 /// shells differ by more than 30 degrees, as at a fold, each side has its own value. At the edges of a region of linear
