@@ -114,7 +114,7 @@ TEST(NastranCards, AreToldWhereTheyCannotBeRead) {
     const auto message = nastran_problem(text);
     EXPECT_NE(message.find(part), std::string::npos) << text << "\n-> " << message;
   };
-  expect("GRID,1\n=,*1,=,*1.\n", "replicated");
+  expect("GRID,1,,abc\n=,*1,=,*1.\n", "replicated");
   expect("GRID,1,,abc\n", "deck.bdf:1: GRID 1: X (line 1 of the card, field 4) is 'abc'");
   expect("GRID,x\n", "whole number");
   expect("GRID,1\n+,2\nGRID,1,,5.\n", "defined twice");

@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <numbers>
 
 #include "kalfem/formats/nastran/model_building.hpp"
+#include "kalfem/model/elements/tapered_beam.hpp"
 
 namespace kalfem::nastran {
 namespace {
@@ -28,6 +30,8 @@ public:
   void add(const RodCard& card);
 
 private:
+  std::optional<BeamStation> station(double at, const SectionCard& card, const std::string& region,
+                                     const std::string& title, const Place& where);
   bool make_region(const std::string& region, const SectionCard& section, const std::string& title, const Place& where);
   bool make_region(const std::string& region, const RodSection& section, const std::string& title, const Place& where);
   std::optional<std::array<Eigen::Index, 2>> ends(const std::array<Id, 2>& nodes, const std::string& title,
@@ -38,42 +42,66 @@ private:
                                          const std::string& title);
   void add_cell(Id id, const std::array<Eigen::Index, 2>& nodes, const BeamPlacement& placement,
                 const std::string& region);
-  void no_stiffness(double& value, double instead, const char* what, const Place& where);
+  void no_stiffness(double& value, double instead, const char* what, const std::string& region);
+  const PropertyCard* property_of(Id number, std::string_view kind, const std::string& title, const Place& where);
 
   Building& building_;
   Materials& materials_;
   RegionNames names_;
   std::map<std::string, bool> sound_;
+  std::map<std::string, std::vector<const char*>> without_stiffness_;  ///< of regions: what was 0
 };
 
 /// A section of no stiffness in one of its motions is given a millionth of a plump one's.
-void BeamBuilder::no_stiffness(double& value, double instead, const char* what, const Place& where) {
+void BeamBuilder::no_stiffness(double& value, double instead, const char* what, const std::string& region) {
   if (value > 0.0 || !(instead > 0.0)) return;
   value = 1e-6 * instead;
-  building_.note(where, std::string("beam sections with ") + what + " of 0",
-                 "it is set to a millionth of that of a solid circle of this area");
+  auto& noted = without_stiffness_[region];
+  if (std::ranges::find(noted, what) == noted.end()) noted.push_back(what);
 }
 
-// One region for each property, made when its first element comes. Second moments and torsion of zero are legal in
-// Nastran and leave a motion without stiffness; the solid circle of area A has I = A^2 / (4 pi) and J = 2 I.
+// Second moments and torsion of zero are legal in Nastran and leave a motion without stiffness; the solid circle of
+// area A has I = A^2 / (4 pi) and J = 2 I.
+std::optional<BeamStation> BeamBuilder::station(double at, const SectionCard& card, const std::string& region,
+                                                const std::string& title, const Place& where) {
+  BeamStation station{.place = at, .section = section_of(card, materials_.shear_ratio(card.material))};
+  auto& section = station.section;
+  if (!(section.area > 0.0) || section.inertia_y < 0.0 || section.inertia_z < 0.0 || section.torsion < 0.0) {
+    building_.files.problem(where, title + ": its section has no positive area, or a negative I1, I2 or J",
+                            "stiffness and mass depend on them", "correct A, I1, I2 and J");
+    return std::nullopt;
+  }
+  const double round = section.area * section.area / (4.0 * std::numbers::pi);
+  no_stiffness(section.inertia_z, round, "I1", region);
+  no_stiffness(section.inertia_y, round, "I2", region);
+  no_stiffness(section.torsion, 2.0 * round, "J", region);
+  station.nonstructural_mass = card.nonstructural_mass * building_.bulk.mass_factor;
+  station.nonstructural_inertia = card.nonstructural_inertia * building_.bulk.mass_factor;
+  station.nonstructural_centre = card.nonstructural_centre;
+  return station;
+}
+
+/// One region for each property, made when its first element comes.
 bool BeamBuilder::make_region(const std::string& region, const SectionCard& card, const std::string& title,
                               const Place& where) {
   BeamProperty property;
   property.material = materials_.isotropic(card.material, title, where);
   if (property.material.empty()) return false;
-  property.section = section_of(card, materials_.shear_ratio(card.material));
-  auto& section = property.section;
-  if (!(section.area > 0.0)) {
-    building_.files.problem(where, title + ": its section has no positive area", "stiffness and mass depend on it",
-                            "give A");
-    return false;
+  for (const auto& [at, given] : card.stations) {
+    SectionCard own = given;
+    own.material = card.material;
+    const auto made = station(at, own, region, title, where);
+    if (!made) return false;
+    property.stations.push_back(*made);
   }
-  const double round = section.area * section.area / (4.0 * std::numbers::pi);
-  no_stiffness(section.inertia_z, round, "I1", where);
-  no_stiffness(section.inertia_y, round, "I2", where);
-  no_stiffness(section.torsion, 2.0 * round, "J", where);
-  property.nonstructural_mass = card.nonstructural_mass * building_.bulk.mass_factor;
-  property.nonstructural_centre = card.nonstructural_centre;
+  const auto whole = property.stations.empty() ? station(0.0, card, region, title, where)
+                                               : std::optional(mean_station(property.stations));
+  if (!whole) return false;
+  property.section = whole->section;
+  property.lumped_inertia =
+      title.starts_with("CBEAM ") ? LumpedInertia::twist : LumpedInertia::none;  // of PBEAM, and of PBAR and the rods
+  property.nonstructural_mass = whole->nonstructural_mass;
+  property.nonstructural_centre = whole->nonstructural_centre;
   property.placements.clear();
   building_.model.properties[region] = std::move(property);
   return true;
@@ -166,19 +194,36 @@ std::optional<BeamPlacement> BeamBuilder::placement(const BeamCard& card, const 
   return placement;
 }
 
+// CBAR and CBEAM, CROD and CTUBE may each have a property of the same number.
+/// The property of the element's own kind, "PBAR" of a CBAR, or one that makes a section too.
+const PropertyCard* BeamBuilder::property_of(Id number, std::string_view kind, const std::string& title,
+                                             const Place& where) {
+  const auto is_own = [&](const PropertyCard& card) { return card.kind.starts_with(kind); };
+  const auto [first, last] = building_.bulk.properties.equal_range(number);
+  const bool has_own = std::any_of(first, last, [&](const auto& item) { return is_own(item.second); });
+  const bool is_rod = kind == "PROD" || kind == "PTUBE";
+  return find_property(building_, number, title, where, [&](const PropertyCard& card) {
+    return has_own  ? is_own(card)
+           : is_rod ? std::holds_alternative<RodSection>(card.law)
+                    : std::holds_alternative<SectionCard>(card.law);
+  });
+}
+
 void BeamBuilder::add(BeamCard card) {
   fill_defaults(card);
   const auto title = std::string(card.is_bar ? "CBAR " : "CBEAM ") + std::to_string(card.id);
-  const auto* section = find_law<SectionCard>(building_, card.property, title, card.where);
+  const auto* property = property_of(card.property, card.is_bar ? "PBAR" : "PBEAM", title, card.where);
   const auto nodes = ends(card.nodes, title, card.where);
-  if (section == nullptr || !nodes) return;
-  const auto& property = building_.bulk.properties.at(card.property);
-  std::string region = property.kind;
+  if (property == nullptr || !nodes) return;
+  std::string region = property->kind;
   for (char& c : region) c = static_cast<char>(c - 'A' + 'a');
   region += std::to_string(card.property);
   const auto [sound, is_new] = sound_.try_emplace(region, false);
-  if (is_new) sound->second = make_region(region, *section, title, property.where);
+  if (is_new) sound->second = make_region(region, std::get<SectionCard>(property->law), title, property->where);
   if (!sound->second) return;
+  for (const auto* what : without_stiffness_[region])
+    building_.note(property->where, std::string("beam sections with ") + what + " of 0",
+                   "it is set to a millionth of that of a solid circle of this area", DeckNoteKind::changed);
   if (const auto place = placement(card, *nodes, title)) add_cell(card.id, *nodes, *place, region);
 }
 
@@ -188,10 +233,11 @@ void BeamBuilder::add(const RodCard& card) {
   const auto title = std::string(card.kind) + " " + std::to_string(card.id);
   const auto own = building_.bulk.conrods.find(card.id);
   const bool has_own = card.property == 0 && own != building_.bulk.conrods.end();
-  const auto* rod = has_own ? std::get_if<RodSection>(&own->second.law)
-                            : find_law<RodSection>(building_, card.property, title, card.where);
+  const auto* property =
+      has_own ? &own->second : property_of(card.property, "P" + std::string(card.kind).substr(1), title, card.where);
   const auto nodes = ends(card.nodes, title, card.where);
-  if (rod == nullptr || !nodes) return;
+  if (property == nullptr || !nodes) return;
+  const auto* rod = &std::get<RodSection>(property->law);
   const auto base = has_own ? std::string("conrod") : "prod" + std::to_string(card.property);
   const auto [region, is_new] =
       names_.name(base, {static_cast<double>(rod->material), rod->area, rod->torsion, rod->nonstructural_mass});
@@ -219,6 +265,36 @@ void BeamBuilder::add_cell(Id id, const std::array<Eigen::Index, 2>& nodes, cons
 void build_beams(Building& building, Materials& materials) {
   BeamBuilder builder(building, materials);
   for (const auto& card : building.bulk.beams) builder.add(card);
+}
+
+// Without inertia the turn of a straight bar about its own line would have neither stiffness nor mass, and no modes
+// could be computed. In a straight line the twist is not coupled with bending: other modes stay those of Nastran.
+void keep_free_twist(Building& building) {
+  auto& model = building.model;
+  const auto& nodes = model.mesh.nodes;
+  if (nodes.cols() < 2 || model.mass_kind != MassKind::lumped || model.mesh.node_sets.contains(scalar_points)) return;
+  Eigen::Index farthest = 0;
+  (nodes.colwise() - nodes.col(0)).colwise().norm().maxCoeff(&farthest);
+  const Eigen::Vector3d span = nodes.col(farthest) - nodes.col(0);
+  if (!(span.norm() > 0.0)) return;
+  const Eigen::Vector3d axis = span.normalized();
+  for (const auto node : nodes.colwise())
+    if ((node - nodes.col(0)).cross(axis).norm() > 1e-9 * span.norm()) return;
+  if (!model.constraints.empty() || !model.masses.empty() || !model.matrices.empty() || !model.springs.empty()) return;
+  for (const auto& support : model.fixed)
+    for (int i = 0; i < 3; ++i)
+      if (support.directions[static_cast<std::size_t>(3 + i)] && std::abs(axis[i]) > 1e-9) return;
+  bool any = false;
+  for (auto& [region, property] : model.properties)
+    if (auto* beam = std::get_if<BeamProperty>(&property); beam && beam->lumped_inertia == LumpedInertia::none) {
+      beam->lumped_inertia = LumpedInertia::twist;
+      any = true;
+    }
+  if (any)
+    building.note({}, "bars in one line that nothing holds against turning about it",
+                  "their lumped mass keeps the inertia of this turn, which CBAR of Nastran has not: modes of twist are "
+                  "added, and all others stay",
+                  DeckNoteKind::changed);
 }
 
 void build_rods(Building& building, Materials& materials) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <set>
 
 #include "kalfem/formats/nastran/model_building.hpp"
@@ -22,8 +23,15 @@ void follow_sums(const std::map<Id, std::vector<Id>>& sums, Id set, std::set<Id>
 std::set<Id> chosen_sets(Building& building, const char* kind, std::optional<Id> choice, bool has_control,
                          const std::set<Id>& present, const std::map<Id, std::vector<Id>>& sums, const Place& first) {
   std::set<Id> sets;
+  const auto tell_empty_parts = [&] {
+    for (const Id set : sets)
+      if (!present.contains(set) && !sums.contains(set) && set != choice)
+        building.note(first, std::string(kind) + "ADD with the set " + std::to_string(set),
+                      "the set has no cards, so it holds nothing", DeckNoteKind::doubtful);
+  };
   if (choice) {
     follow_sums(sums, *choice, sets);
+    tell_empty_parts();
     if (std::ranges::none_of(sets, [&](Id set) { return present.contains(set); }))
       building.files.problem(
           {}, std::string(kind) + " = " + std::to_string(*choice) + " of the case control selects a set without cards",
@@ -38,6 +46,7 @@ std::set<Id> chosen_sets(Building& building, const char* kind, std::optional<Id>
   }
   if (sums.size() == 1) {
     follow_sums(sums, sums.begin()->first, sets);
+    tell_empty_parts();
     return sets;
   }
   if (present.size() > 1)
@@ -52,6 +61,7 @@ class ConstraintBuilder {
 public:
   explicit ConstraintBuilder(Building& building) : building_(building) {}
   void hold_nodes();
+  void hold_sets(const std::set<Id>& sets);
   void add_mpcs();
   void add_rigid();
   void add_weighted();
@@ -59,8 +69,12 @@ public:
 
 private:
   void hold(const std::string& name, Eigen::Index node, unsigned components, const Place& where);
-  void hold_ranges(const SpcCard& card);
+  template <typename Visit>
+  void visit_nodes(const SpcCard& card, const Visit& visit);
+  void sort_numbers();
+  void hold_all();
   void add_local_nodes();
+  void add_local(Eigen::Index node, const Place& where);
   void add_equation(const std::string& name, const DofSum& terms, Eigen::Index node, int component, const Place& where);
   unsigned without_shared(const RigidBodyCard& card, Eigen::Index master, Eigen::Index node, unsigned components);
   bool is_simple(Eigen::Index node, unsigned components) const;
@@ -68,6 +82,7 @@ private:
       const std::vector<std::pair<Id, unsigned>>& nodes, const std::string& title, const Place& where);
   void add_links(const RigidBodyCard& card, Eigen::Index master,
                  const std::vector<std::pair<Eigen::Index, unsigned>>& dependent);
+  bool leads_itself(const RigidBodyCard& card, const NodeComponents& independent, const NodeComponents& dependent);
   void add_rigid_body(const RigidBodyCard& card);
 
   Building& building_;
@@ -78,8 +93,16 @@ private:
     Eigen::Index master;
     const RigidBodyCard* card;
   };
-  std::map<NodalDof, Lead> leads_;         ///< of components that follow a master
-  std::map<Eigen::Index, unsigned> held_;  ///< so that nothing is held twice in turned axes
+  std::map<NodalDof, Lead> leads_;  ///< of components that follow a master
+  /// What one card holds of a node, in the node's axes.
+  struct Held {
+    std::string name;
+    Eigen::Index node;
+    unsigned components;
+    Place where;
+  };
+  std::vector<Held> asked_;                ///< by all cards, in their order
+  std::map<Eigen::Index, unsigned> held_;  ///< of nodes in turned axes, by all cards together
 };
 
 /// Whether components of a node mean the same in its own axes and in global ones.
@@ -102,82 +125,126 @@ void ConstraintBuilder::add_equation(const std::string& name, const DofSum& term
                  building_.files.location(where));
 }
 
-/// Nodes in turned axes that load cases move: their components become degrees of freedom of a local node.
+/// Nodes in turned axes that load cases move, or that some of them hold: their components become degrees of freedom of
+/// a local node.
 void ConstraintBuilder::add_local_nodes() {
   const auto add = [&](Id id, const Place& where) {
-    const auto node = building_.node(id, "an enforced motion", where);
-    if (node < 0 || !building_.is_turned(node) || building_.local_nodes.contains(node)) return;
-    auto& mesh = building_.model.mesh;
-    const auto local = building_.local_nodes[node] = add_local_node(mesh, node, building_.motion_axes(node));
-    for (const auto& constraint : local_motions(mesh, node, local))
-      equations_.add(constraint.name, constraint.terms, constraint.terms.front().first,
-                     building_.files.location(where));
+    add_local(building_.node(id, "an enforced motion", where), where);
   };
   for (const auto& card : building_.bulk.spcs)
     if (card.value != 0.0) add(card.nodes.front().first, card.where);
   for (const auto& card : building_.bulk.imposed) add(card.node, card.where);
+  const auto has_other = [&](const Subcase& each) { return each.spc != building_.control.chosen.spc; };
+  if (std::ranges::none_of(building_.control.subcases, has_other)) return;
+  for (const auto& card : building_.bulk.spcs)
+    visit_nodes(card, [&](Eigen::Index node) {
+      if (!building_.is_scalar(node) && !is_simple(node, card.components)) add_local(node, card.where);
+    });
 }
 
-// Components in turned axes are held by equations, all others by supports, grouped by set and components.
+void ConstraintBuilder::add_local(Eigen::Index node, const Place& where) {
+  if (node < 0 || !building_.is_turned(node) || building_.local_nodes.contains(node)) return;
+  auto& mesh = building_.model.mesh;
+  const auto local = building_.local_nodes[node] = add_local_node(mesh, node, building_.motion_axes(node));
+  for (const auto& constraint : local_motions(mesh, node, local))
+    equations_.add(constraint.name, constraint.terms, constraint.terms.front().first, building_.files.location(where));
+}
+
 void ConstraintBuilder::hold(const std::string& name, Eigen::Index node, unsigned components, const Place& where) {
   if (building_.is_scalar(node)) components = components == 0 ? 1u : components & 1u;
-  if (components == 0) return;
+  if (components == 0)
+    return building_.note(where, "supports without components", "they hold nothing", DeckNoteKind::doubtful);
   building_.model.mesh.node_sets[name].push_back(node);
-  const auto local = building_.local_nodes.find(node);
-  if (local != building_.local_nodes.end()) {
+  if (const auto local = building_.local_nodes.find(node); local != building_.local_nodes.end())
     node = local->second;
-  } else if (!is_simple(node, components)) {
-    const unsigned fresh = components & ~held_[node];
+  else if (building_.is_turned(node))
     held_[node] |= components;
-    for (int i = 0; i < 6; ++i)
-      if (((fresh >> i) & 1u) != 0) {
-        DofSum terms;
-        building_.append(terms, node, i, 1.0);
-        add_equation(name, terms, node, i, where);
-      }
-    return;
+  asked_.push_back({name, node, components, where});
+}
+
+/// With the other two translations, or rotations, that one is held with all cards together.
+unsigned with_whole_triples(unsigned components, unsigned held) {
+  for (const unsigned triple : {7u, 56u})
+    if ((components & triple) != 0 && (held & triple) == triple) components |= triple;
+  return components;
+}
+
+// Components in turned axes are held by equations, all others by supports, grouped by set and components. Where all
+// cards together hold all three translations, or rotations, of a node, these are a support in any axes. Each component
+// is held once: by the card that names it first.
+void ConstraintBuilder::hold_all() {
+  std::map<Eigen::Index, unsigned> done;
+  for (const auto& [name, node, given, where] : asked_) {
+    unsigned components = given;
+    const auto held = held_.find(node);
+    if (held != held_.end()) {
+      components = with_whole_triples(given, held->second) & ~done[node];
+      done[node] |= components;
+    }
+    if (components == 0) continue;
+    if (held != held_.end() && !is_simple(node, components)) {
+      for (int i = 0; i < 6; ++i)
+        if (((components >> i) & 1u) != 0) {
+          DofSum terms;
+          building_.append(terms, node, i, 1.0);
+          add_equation(name, terms, node, i, where);
+        }
+      continue;
+    }
+    const auto [place, is_new] = fixed_.try_emplace({name, components}, building_.model.fixed.size());
+    if (is_new) {
+      FixedNodes fixed{name, {}, {}};
+      for (std::size_t i = 0; i < 6; ++i) fixed.directions[i] = ((components >> i) & 1u) != 0;
+      building_.model.fixed.push_back(std::move(fixed));
+    }
+    building_.model.fixed[place->second].nodes.push_back(node);
   }
-  const auto [place, is_new] = fixed_.try_emplace({name, components}, building_.model.fixed.size());
-  if (is_new) {
-    FixedNodes fixed{name, {}, {}};
-    for (std::size_t i = 0; i < 6; ++i) fixed.directions[i] = ((components >> i) & 1u) != 0;
-    building_.model.fixed.push_back(std::move(fixed));
-  }
-  building_.model.fixed[place->second].nodes.push_back(node);
 }
 
 // A THRU range of SPC1 stands for the grid points that exist in it, so it walks through the sorted numbers. A single
 // number must exist.
-void ConstraintBuilder::hold_ranges(const SpcCard& card) {
-  const auto name = "spc" + std::to_string(card.set);
+template <typename Visit>
+void ConstraintBuilder::visit_nodes(const SpcCard& card, const Visit& visit) {
   for (const auto& range : card.nodes) {
     if (range.single) {
       const auto node = building_.node(range.first, "SPC " + std::to_string(card.set), card.where);
-      if (node >= 0) hold(name, node, card.components, card.where);
+      if (node >= 0) visit(node);
       continue;
     }
     auto place = std::ranges::lower_bound(by_id_, range.first, {}, &std::pair<Id, Eigen::Index>::first);
     for (; place != by_id_.end() && place->first <= range.last; ++place)
-      if ((place->first - range.first) % range.step == 0) hold(name, place->second, card.components, card.where);
+      if ((place->first - range.first) % range.step == 0) visit(place->second);
   }
 }
 
 // SPC cards of the chosen sets and the permanent constraints PS of the GRID cards, which hold in every case.
 void ConstraintBuilder::hold_nodes() {
-  for (std::size_t i = 0; i < building_.bulk.grids.size(); ++i)
-    by_id_.emplace_back(building_.bulk.grids[i].id, static_cast<Eigen::Index>(i));
-  std::ranges::sort(by_id_);
+  sort_numbers();
   if (building_.bulk.with_loads) add_local_nodes();
   std::set<Id> present;
   for (const auto& card : building_.bulk.spcs) present.insert(card.set);
   building_.supports =
       chosen_sets(building_, "SPC", building_.control.spc, building_.control.is_present, present,
                   building_.bulk.spc_sums, building_.bulk.spcs.empty() ? Place{} : building_.bulk.spcs.front().where);
+  hold_sets(building_.supports);
+}
+
+void ConstraintBuilder::sort_numbers() {
+  for (std::size_t i = 0; i < building_.bulk.grids.size(); ++i)
+    by_id_.emplace_back(building_.bulk.grids[i].id, static_cast<Eigen::Index>(i));
+  std::ranges::sort(by_id_);
+}
+
+void ConstraintBuilder::hold_sets(const std::set<Id>& sets) {
+  if (by_id_.empty()) sort_numbers();
   for (const auto& card : building_.bulk.spcs)
-    if (building_.supports.contains(card.set)) hold_ranges(card);
+    if (sets.contains(card.set))
+      visit_nodes(
+          card, [&](Eigen::Index node) { hold("spc" + std::to_string(card.set), node, card.components, card.where); });
   for (std::size_t i = 0; i < building_.bulk.grids.size(); ++i)
     if (const auto& grid = building_.bulk.grids[i]; grid.held != 0)
       hold("grid_ps", static_cast<Eigen::Index>(i), grid.held, grid.where);
+  hold_all();
   for (auto& [name, nodes] : building_.model.mesh.node_sets) {
     std::ranges::sort(nodes);
     nodes.erase(std::ranges::unique(nodes).begin(), nodes.end());
@@ -244,7 +311,7 @@ unsigned ConstraintBuilder::without_shared(const RigidBodyCard& card, Eigen::Ind
       other = place->second.card;
     else if (place->second.card != &card)
       building_.note(card.where, std::string(card.kind) + "s of one master that share nodes",
-                     "these are merged into one rigid body");
+                     "these are merged into one rigid body", DeckNoteKind::unused);
   }
   if (other != nullptr)
     building_.files.problem(card.where,
@@ -287,6 +354,27 @@ void ConstraintBuilder::add_links(const RigidBodyCard& card, Eigen::Index master
   }
 }
 
+/// Whether a component that leads also follows. A master that an RBE2 lists among its followers is told and left out.
+bool ConstraintBuilder::leads_itself(const RigidBodyCard& card, const NodeComponents& independent,
+                                     const NodeComponents& dependent) {
+  for (const auto& [leader, leading] : independent)
+    for (const auto& [node, following] : dependent) {
+      if (node != leader || (leading & following) == 0) continue;
+      if (upper_case(card.kind) == "RBE2") {
+        building_.note(card.where, "RBE2s that name their master among its followers", "the master leads itself",
+                       DeckNoteKind::doubtful);
+        continue;
+      }
+      building_.files.problem(card.where,
+                              title_of(card) + ": a component of grid point " +
+                                  std::to_string(building_.model.mesh.node_ids[static_cast<std::size_t>(node)]) +
+                                  " is independent and dependent",
+                              "it either leads or follows", "remove it from one of both lists");
+      return true;
+    }
+  return false;
+}
+
 // With all six components of one node independent, the others follow it as rigid links, which stay readable in the
 // model. Otherwise the six independent components are spread over nodes, and equations come from R_d R_i^-1: the
 // rigid motion from the independent components, then the dependent ones from that.
@@ -305,8 +393,11 @@ void ConstraintBuilder::add_rigid_body(const RigidBodyCard& card) {
                               "it keeps the distance between two nodes", "correct GA, GB, CMA and CMB");
     return;
   }
+  if (leads_itself(card, *independent, *dependent)) return;
+  unsigned leading = 0;
+  for (const auto& [node, components] : *independent) leading += static_cast<unsigned>(std::popcount(components));
   for (const auto& [node, components] : *independent)
-    if (components == all_six) return add_links(card, node, *dependent);
+    if (components == all_six && leading == 6) return add_links(card, node, *dependent);
   const auto rows = rigid_rows(building_, *independent, *dependent);
   if (rows.empty())
     return building_.files.problem(card.where,
@@ -356,6 +447,25 @@ void ConstraintBuilder::add_weighted() {
 }
 
 }  // namespace
+
+std::set<Id> spc_sets(Building& building, std::optional<Id> spc) {
+  std::set<Id> sets, present;
+  if (!spc) return sets;
+  follow_sums(building.bulk.spc_sums, *spc, sets);
+  for (const auto& card : building.bulk.spcs) present.insert(card.set);
+  if (std::ranges::none_of(sets, [&](Id set) { return present.contains(set); }))
+    building.files.problem({}, "SPC = " + std::to_string(*spc) + " of the case control selects a set without cards",
+                           "the load case would lack these supports", "add the set or correct the number");
+  return sets;
+}
+
+std::vector<FixedNodes> supports_of(Building& building, const std::set<Id>& sets) {
+  std::vector<FixedNodes> own;
+  std::swap(own, building.model.fixed);
+  ConstraintBuilder(building).hold_sets(sets);
+  std::swap(own, building.model.fixed);
+  return own;
+}
 
 // Supports first, then what follows (rigid bodies, weighted means), then general equations. Equations are collected and
 // reduced together at the end, so that their order does not decide which can be solved.

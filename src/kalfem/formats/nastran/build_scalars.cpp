@@ -21,7 +21,7 @@ std::optional<double> value_of(Building& building, const ScalarCard& card, const
                        : card.kind == ScalarCard::Kind::dashpot ? building.bulk.dashpot_damping
                                                                 : building.bulk.scalar_mass;
   if (const auto value = values.find(card.property); value != values.end()) return value->second;
-  find_property(building, card.property, title, card.where);
+  find_property(building, card.property, title, card.where, [](const PropertyCard&) { return false; });
   return std::nullopt;
 }
 
@@ -117,7 +117,10 @@ std::optional<Eigen::Vector3d> bushing_point(Building& building, const BushCard&
 // so moments of offset forces arise by themselves.
 void add_bush(Building& building, const BushCard& card) {
   const auto title = std::string(card.kind) + " " + std::to_string(card.id);
-  const auto* property = find_law<BushProperty>(building, card.property, title, card.where);
+  const std::string kind = "P" + std::string(card.kind).substr(1);
+  const auto* found = find_property(building, card.property, title, card.where,
+                                    [&](const PropertyCard& property) { return property.kind == kind; });
+  const auto* property = found == nullptr ? nullptr : std::get_if<BushProperty>(&found->law);
   Bushing bushing;
   bushing.nodes[0] = building.node(card.nodes[0], title, card.where);
   if (card.nodes[1] > 0) bushing.nodes[1] = building.node(card.nodes[1], title, card.where);
@@ -155,7 +158,7 @@ void gather_joints(Building& building) {
   const bool all = joints.size() > most_named_springs;
   if (all)
     building.note({}, std::to_string(joints.size()) + " springs and dashpots",
-                  "they are kept as one matrix; their values cannot be parameters");
+                  "they are kept as one matrix; their values cannot be parameters", DeckNoteKind::unused);
   std::erase_if(joints, [&](const JointSpring& joint) {
     if (!all && joint.stiffness >= 0.0 && joint.damping >= 0.0) return false;
     if (joint.stiffness != 0.0)
@@ -235,7 +238,7 @@ void add_mass(Building& building, const Conm2Card& card) {
     return;
   }
   building.note(card.where, "CONM2 with a negative mass or an impossible inertia",
-                "it is kept as a matrix; its mass cannot be a parameter");
+                "it is kept as a matrix; its mass cannot be a parameter", DeckNoteKind::unused);
   add_matrix(building, node, point_mass(mass));
 }
 
@@ -257,13 +260,18 @@ using Chosen = std::vector<std::pair<double, std::string>>;
 /// One direct input matrix in the displacement axes of its nodes.
 bool add_direct(Building& building, MatrixGather& gather, MatrixGather::Kind kind, const DmigMatrix& matrix,
                 double factor, const std::string& title) {
-  if (matrix.complex || (matrix.form && *matrix.form != 6 && *matrix.form != 1)) {
+  if (!matrix.form) {
+    building.files.problem(matrix.where, title + " has no header", "the header says whether the matrix is symmetric",
+                           "put 'DMIG, NAME, 0, 6, 1, 0' before its columns");
+    return false;
+  }
+  if (matrix.complex || (*matrix.form != 6 && *matrix.form != 1)) {
     building.files.problem(matrix.where, title + " is complex or not square (IFO, TIN)",
                            "stiffness, mass and damping must be real and symmetric",
                            "write it with IFO 6 and TIN 1 or 2");
     return false;
   }
-  const bool is_symmetric = matrix.form.value_or(6) == 6;
+  const bool is_symmetric = *matrix.form == 6;
   for (const auto& entry : matrix.entries) {
     const auto row = building.node(entry.row, title, entry.where),
                column = building.node(entry.column, title, entry.where);
@@ -298,7 +306,8 @@ void build_direct_matrices(Building& building) {
       }
       used[name] = true;
       MatrixGather gather;
-      if (add_direct(building, gather, kind, matrix->second, factor, title) && !gather.empty())
+      if (add_direct(building, gather, kind, matrix->second, factor * building.bulk.direct_factors[kind], title) &&
+          !gather.empty())
         building.model.matrices.push_back(gather.finish(name));
     }
   };
@@ -308,7 +317,8 @@ void build_direct_matrices(Building& building) {
   for (const auto& [name, matrix] : building.bulk.matrices)
     if (!used.contains(name))
       building.note(matrix.where, "DMIG " + name,
-                    "no K2GG, M2GG or B2GG of the case control selects it, so it is not part of the model");
+                    "no K2GG, M2GG or B2GG of the case control selects it, so it is not part of the model",
+                    DeckNoteKind::unused);
   if (!building.matrices.empty()) building.model.matrices.push_back(building.matrices.finish("scalar_elements"));
 }
 

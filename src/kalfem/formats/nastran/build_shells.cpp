@@ -34,6 +34,7 @@ public:
 
 private:
   void add_cell(const ShellCard& card, const std::string& title, const std::string& region);
+  void note_missing_materials(const PshellCard& shell, const Place& where);
   CellShape shape_of(const ShellCard& card);
   double thickness_of(const ShellCard& card, double property);
   std::optional<RegionProperty> plate(const PshellCard& shell, double thickness, double offset,
@@ -67,17 +68,24 @@ double ShellBuilder::thickness_of(const ShellCard& card, double property) {
     sum += value;
   }
   if (differ)
-    building_.note(card.where, "shells with different thicknesses at their corners", "each takes the mean thickness");
+    building_.note(card.where, "shells with different thicknesses at their corners", "each takes the mean thickness",
+                   DeckNoteKind::changed);
   return differ ? sum / static_cast<double>(count) : first;
 }
 
 void ShellBuilder::add(const ShellCard& card) {
   const auto title = std::string(card.triangle ? "triangle " : "quadrilateral ") + std::to_string(card.id);
-  const PropertyCard* property = find_property(building_, card.property, title, card.where);
+  const auto is_of_shells = [](const PropertyCard& property) {
+    return std::holds_alternative<PshellCard>(property.law) || std::holds_alternative<PcompCard>(property.law);
+  };
+  const PropertyCard* property = find_property(building_, card.property, title, card.where, is_of_shells);
   if (property == nullptr) return;
   const auto* shell = std::get_if<PshellCard>(&property->law);
   const auto* laminate = std::get_if<PcompCard>(&property->law);
-  if (shell == nullptr && laminate == nullptr) return wrong_property(building_, *property, title, card.where);
+  if (laminate != nullptr && card.thickness >= 0)
+    building_.note(card.where, "thicknesses at the corners of shells with PCOMP", "the plies have theirs",
+                   DeckNoteKind::unused);
+  if (card.material_system > 0 && building_.frames.find(card.material_system, card.where) == nullptr) return;
   const double thickness = shell != nullptr ? thickness_of(card, shell->thickness) : 0.0;
   std::string base = property->kind == "PSHELL" ? "pshell" : "pcomp";
   base += std::to_string(card.property);
@@ -88,17 +96,36 @@ void ShellBuilder::add(const ShellCard& card) {
     refused_[region] = !law;
     if (law) building_.model.properties[region] = *law;
   }
-  if (!refused_[region]) add_cell(card, title, region);
+  if (refused_[region]) return;
+  if (shell != nullptr) note_missing_materials(*shell, property->where);
+  add_cell(card, title, region);
+}
+
+/// Of each element: what its PSHELL leaves out and kalfem fills in.
+void ShellBuilder::note_missing_materials(const PshellCard& shell, const Place& where) {
+  const auto note = [&](const char* what, const std::string& consequence) {
+    building_.note(where, what, consequence, DeckNoteKind::changed);
+  };
+  const auto millionth = [](const char* motion) {
+    return std::string("the shell gets a millionth of the stiffness in ") + motion +
+           " that the other material would give it";
+  };
+  if (shell.membrane == 0) return note("PSHELL without MID1", millionth("its plane"));
+  if (shell.bending == 0) return note("PSHELL without MID2", millionth("bending"));
+  if (shell.shear == 0) note("PSHELL without MID3", "Nastran makes it rigid in transverse shear; kalfem uses 5/6 of G");
 }
 
 CellShape ShellBuilder::shape_of(const ShellCard& card) {
   const std::size_t corners = card.triangle ? 3 : 4;
   std::size_t middles = 0;
   for (std::size_t i = corners; i < 2 * corners; ++i) middles += card.nodes[i] != 0 ? 1 : 0;
+  if (middles == corners)
+    building_.note(card.where, "8- and 6-node shells", "each is replaced by four linear ones", DeckNoteKind::changed);
   if (middles == corners) return card.triangle ? CellShape::triangle6 : CellShape::quadrilateral8;
   if (middles > 0)
     building_.note(card.where, "shells with some of their midside nodes",
-                   "they are read by their corners only; the midside nodes are not connected to them");
+                   "they are read by their corners only; the midside nodes are not connected to them",
+                   DeckNoteKind::changed);
   return card.triangle ? CellShape::triangle3 : CellShape::quadrilateral4;
 }
 
@@ -183,8 +210,6 @@ std::optional<RegionProperty> ShellBuilder::plate(const PshellCard& shell, doubl
       (shell.shear == 0 || (shell.shear == shell.membrane && std::abs(shell.shear_ratio - 5.0 / 6.0) < 1e-3)) &&
       membrane_card != building_.bulk.materials.end() && std::holds_alternative<Material1>(membrane_card->second.law);
   if (is_plain) {
-    if (shell.shear == 0)
-      building_.note(where, "PSHELL without MID3", "Nastran makes it rigid in transverse shear; kalfem uses 5/6 of G");
     const auto name = materials_.isotropic(shell.membrane, title, where);
     if (name.empty()) return std::nullopt;
     return ShellProperty{name, thickness, offset, added};
@@ -200,10 +225,6 @@ std::optional<RegionProperty> ShellBuilder::plate(const PshellCard& shell, doubl
   const auto membrane = of(shell.membrane), bending = of(shell.bending), shear = of(shell.shear);
   if ((shell.membrane > 0 && !membrane) || (shell.bending > 0 && !bending) || (shell.shear > 0 && !shear))
     return std::nullopt;
-  if (!membrane || !bending)
-    building_.note(where, membrane ? "PSHELL without MID2" : "PSHELL without MID1",
-                   std::string("the shell gets a millionth of the stiffness in ") +
-                       (membrane ? "bending" : "its plane") + " that the other material would give it");
   LaminateProperty property;
   auto& stiffness = property.stiffness;
   const double cubed = thickness * thickness * thickness / 12.0;
@@ -271,15 +292,9 @@ std::optional<RegionProperty> ShellBuilder::stack(const PcompCard& laminate, dou
 }
 
 void ShellBuilder::finish() {
-  bool quadratic = false;
   for (auto& [region, directions] : directions_)
     if (is_turned_[region])
       std::get<LaminateProperty>(building_.model.properties[region]).directions = std::move(directions);
-  for (const auto& card : building_.bulk.shells)
-    if (card.nodes[card.triangle ? 3 : 4] != 0 && !quadratic) {
-      quadratic = true;
-      building_.note(card.where, "8- and 6-node shells", "each is replaced by four linear ones");
-    }
 }
 
 }  // namespace

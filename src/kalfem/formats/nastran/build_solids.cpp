@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "kalfem/formats/nastran/model_building.hpp"
 
 namespace kalfem::nastran {
@@ -66,7 +68,7 @@ bool SolidBuilder::make_region(const SolidCard& card, const PsolidCard& solid, c
     if (frame == nullptr) return false;
     if (solid.axes < 0 || frame->kind != SystemKind::rectangular)
       building_.note(card.where, "CORDM of a PSOLID with MAT9 that varies from element to element",
-                     "its stiffness uses the axes at the origin of the system");
+                     "its stiffness uses the axes at the origin of the system", DeckNoteKind::changed);
     property.elasticity = in_global_axes(law->stiffness, frame->axes);
     property.material = "mat" + std::to_string(solid.material);
     // E and nu of the material serve no element then; the mean stiffness keeps its place.
@@ -100,7 +102,11 @@ void SolidBuilder::add(const SolidCard& card) {
   if (card.pyramid) {
     const auto nodes = indices(card, 5, title);
     if (nodes.empty()) return;
-    building_.note(card.where, "CPYRAM", "each is replaced by two tetrahedra between its corners");
+    if (std::any_of(card.nodes.begin() + 5, card.nodes.end(), [](Id node) { return node != 0; }))
+      building_.note(card.where, "CPYRAM with midside nodes", "the midside nodes are not connected to it",
+                     DeckNoteKind::changed);
+    building_.note(card.where, "CPYRAM", "each is replaced by two tetrahedra between its corners",
+                   DeckNoteKind::changed);
     add_cell(CellShape::tetrahedron4, card.id, {nodes[0], nodes[1], nodes[2], nodes[4]}, region);
     add_cell(CellShape::tetrahedron4, card.id, {nodes[0], nodes[2], nodes[3], nodes[4]}, region);
     return;
@@ -112,7 +118,8 @@ void SolidBuilder::add(const SolidCard& card) {
   const bool full = middles == order.size();
   if (middles > 0 && !full)
     building_.note(card.where, "solids with some of their midside nodes",
-                   "they are read by their corners only; the midside nodes are not connected to them");
+                   "they are read by their corners only; the midside nodes are not connected to them",
+                   DeckNoteKind::changed);
   const auto nodes = indices(card, full ? corners + order.size() : corners, title);
   if (nodes.empty()) return;
   std::vector<Eigen::Index> ordered(nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(corners));

@@ -217,7 +217,7 @@ struct PsolidCard {
   Id material = 0;
   Id axes = 0;
 };
-/// PBAR, PBARL, PBEAM, PBEAML: the mean of both ends.
+/// PBAR, PBARL, PBEAM, PBEAML: the section at end A.
 struct SectionCard {
   Id material = 0;
   double area = 0.0, i1 = 0.0, i2 = 0.0, i12 = 0.0, torsion = 0.0, nonstructural_mass = 0.0;
@@ -225,16 +225,24 @@ struct SectionCard {
   Eigen::Vector2d neutral_axis = Eigen::Vector2d::Zero();          ///< N1, N2
   Eigen::Vector2d nonstructural_centre = Eigen::Vector2d::Zero();  ///< M1, M2
   SectionOutline outline = {};                                     ///< of usual shapes
+  double nonstructural_inertia = 0.0;                              ///< NSI
+  /// Of a beam that is not the same all along: shares of the length from end A, 0 to 1, and the sections there.
+  std::vector<std::pair<double, SectionCard>> stations = {};
 };
 struct RodSection {
   Id material = 0;
   double area = 0.0, torsion = 0.0, nonstructural_mass = 0.0;
 };
 using PropertyLaw = std::variant<PshellCard, PshearCard, PcompCard, PsolidCard, SectionCard, RodSection, BushProperty>;
+/// What is different in the model from what a card describes.
+struct Change {
+  std::string what, consequence;
+};
 struct PropertyCard {
   std::string kind;  ///< name of the card
   PropertyLaw law;
   Place where;
+  std::vector<Change> changes = {};  ///< told once for each element
 };
 
 /// A component of a node; `direction` 0 .. 5 in its displacement axes.
@@ -277,11 +285,13 @@ struct SpcCard {
   double value = 0.0;  ///< D, of a single node
 };
 
-/// FORCE, MOMENT.
+/// FORCE, MOMENT; FORCE1, FORCE2 and their moments, whose direction is that of grid points; SLOAD.
 struct ForceCard {
   Id set = 0, node = 0, system = 0;
   Eigen::Vector3d vector = Eigen::Vector3d::Zero();  ///< in the axes of the system
   bool is_moment = false;
+  std::vector<Id> along = {};  ///< G1 G2: from the first to the second; G1 G2 G3 G4: (G2 - G1) x (G4 - G3)
+  double size = 0.0;           ///< F or M along it
   Place where;
 };
 /// PLOAD2, PLOAD4.
@@ -290,6 +300,35 @@ struct PressureCard {
   std::vector<IdRange> elements;
   double pressure = 0.0;
   Id first_corner = 0, other_corner = 0;  ///< G1, G3 or G4 of a solid's face
+  Place where;
+};
+/// PLOAD: by the grid points of a triangle or quadrilateral, along its normal.
+struct FacePressureCard {
+  Id set = 0;
+  std::vector<Id> corners;
+  double pressure = 0.0;
+  Place where;
+};
+/// PLOAD1.
+struct BeamLoadCard {
+  Id set = 0, element = 0;
+  int direction = 0;          ///< 0 .. 5, forces and moments along x, y, z
+  bool element_axes = false;  ///< otherwise basic ones
+  bool fractions = false;     ///< places are shares of the length
+  std::array<double, 2> places{}, values{};
+  bool concentrated = false;  ///< the first value at the first place
+  Place where;
+};
+/// RFORCE: angular velocity in revolutions per unit of time.
+struct RotationCard {
+  Id set = 0, node = 0, system = 0;
+  Eigen::Vector3d revolutions = Eigen::Vector3d::Zero();  ///< A (R1, R2, R3)
+  Place where;
+};
+/// A load that is not read, or a form of one: refused where a load case holds it.
+struct UnreadLoadCard {
+  Id set = 0;
+  std::string what;
   Place where;
 };
 /// GRAV.
@@ -319,6 +358,9 @@ struct DmigMatrix {
   Place where;
 };
 
+/// Masses and rigid elements may bear the number of an element that has stiffness.
+enum class ElementKind : char { structural, mass, rigid };
+
 struct BulkData {
   std::vector<Grid> grids;
   GridDefaults grid_defaults;
@@ -335,14 +377,22 @@ struct BulkData {
   std::vector<BushCard> bushes;
   std::vector<Conm1Card> mass_matrices;
   std::vector<Conm2Card> masses;
-  std::vector<std::pair<Id, Place>> element_ids;  ///< of all elements
+  /// Of all elements; numbers are unique within a kind.
+  struct ElementNumber {
+    ElementKind kind;
+    Id id;
+    Place where;
+  };
+  std::vector<ElementNumber> element_numbers;
+  void add_element(ElementKind kind, Id id, const Place& where) { element_numbers.push_back({kind, id, where}); }
 
   std::map<Id, MaterialCard> materials;
+  std::map<Id, Place> damped_materials;  ///< with GE
   std::map<Id, MaterialTable> material_tables;
   std::map<Id, MaterialTemperatureCard> material_temperatures;
   std::vector<TemperatureCard> temperatures;
-  std::map<Id, PropertyCard> properties;
-  std::map<Id, PropertyCard> conrods;                                   ///< sections of CONROD by its own number
+  std::multimap<Id, PropertyCard> properties;  ///< of different kinds of elements also under one number
+  std::map<Id, PropertyCard> conrods;          ///< sections of CONROD by its own number
   std::map<Id, double> spring_stiffness, dashpot_damping, scalar_mass;  ///< PELAS, PDAMP, PMASS
   std::map<Id, std::string> unread_properties, unread_materials;        ///< cards that are known and not read
 
@@ -355,16 +405,22 @@ struct BulkData {
   bool with_loads = false;  ///< loads are wanted
   std::vector<ForceCard> forces;
   std::vector<PressureCard> pressures;
+  std::vector<FacePressureCard> face_pressures;
+  std::vector<BeamLoadCard> beam_loads;
+  std::vector<RotationCard> rotations;
+  std::vector<UnreadLoadCard> unread_loads;
+  bool expands = false;  ///< a material has a coefficient of thermal expansion
   std::vector<GravityCard> gravities;
   std::vector<EnforcedCard> imposed;
   std::map<Id, std::vector<std::pair<Id, double>>> load_sums;  ///< LOAD: sets with their factors
 
   std::map<std::string, DmigMatrix> matrices;
-  double mass_factor = 1.0;                ///< PARAM WTMASS
-  bool coupled_mass = false;               ///< PARAM COUPMASS
-  double drilling = 100.0;                 ///< PARAM K6ROT
-  bool autospc = true;                     ///< PARAM AUTOSPC
-  std::optional<double> temperature = {};  ///< at which materials are taken, if the user states one
+  std::array<double, 3> direct_factors = {1.0, 1.0, 1.0};  ///< PARAM CK2, CM2, CB2 of K2GG, M2GG, B2GG
+  double mass_factor = 1.0;                                ///< PARAM WTMASS
+  bool coupled_mass = false;                               ///< PARAM COUPMASS
+  double drilling = 100.0;                                 ///< PARAM K6ROT
+  bool autospc = true;                                     ///< PARAM AUTOSPC
+  std::optional<double> temperature = {};                  ///< at which materials are taken, if the user states one
 };
 
 }  // namespace kalfem::nastran

@@ -76,7 +76,6 @@ namespace {
 constexpr Id largest_id = std::numeric_limits<Id>::max();
 
 std::string field_title(const char* what, std::size_t i) {
-  // As the manual counts: the name is field 1 of each line of ten.
   return std::string(what) + " (line " + std::to_string((i - 1) / 8 + 1) + " of the card, field " +
          std::to_string((i - 1) % 8 + 2) + ")";
 }
@@ -105,13 +104,33 @@ std::string title(const Card& card) {
   return card.is_integer(1) ? card.name + " " + std::string(card.raw(1)) : card.name;
 }
 
+std::string place_on_card(std::size_t i) {
+  return "line " + std::to_string((i - 1) / 8 + 1) + ", field " + std::to_string((i - 1) % 8 + 2);
+}
+
 bool Card::is_integer(std::size_t i) const { return parse_integer(raw(i)).has_value(); }
 
 bool Card::is_number(std::size_t i) const { return parse_real(raw(i)).has_value(); }
 
-std::string Card::text(std::size_t i) const { return upper_case(raw(i)); }
+void Card::mark(std::size_t i, FieldUse use) const {
+  if (i < 1 || i > fields.size()) return;
+  if (uses.size() < i) uses.resize(fields.size(), FieldUse::untouched);
+  uses[i - 1] = use;
+}
+
+std::string Card::text(std::size_t i) const {
+  mark(i, FieldUse::used);
+  return upper_case(raw(i));
+}
+
+bool Card::says(std::size_t i, std::string_view word) const {
+  const bool found = upper_case(raw(i)) == word;
+  if (found) mark(i, FieldUse::used);
+  return found;
+}
 
 std::int64_t Card::integer(std::size_t i, const char* what) const {
+  mark(i, FieldUse::used);
   const auto value = parse_integer(raw(i));
   if (!value) fail(*this, i, what, "a whole number");
   return *value;
@@ -136,6 +155,7 @@ Id Card::id_or(std::size_t i, Id otherwise, const char* what) const {
 }
 
 double Card::real(std::size_t i, const char* what) const {
+  mark(i, FieldUse::used);
   const auto value = parse_real(raw(i));
   if (!value) fail(*this, i, what, "a finite number");
   return *value;
@@ -147,8 +167,10 @@ double Card::real_or(std::size_t i, double otherwise, const char* what) const {
 
 unsigned Card::components(std::size_t i, const char* what) const {
   unsigned set = 0;
+  mark(i, FieldUse::used);
   if (raw(i) == "0") return set;
   for (const char c : raw(i)) {
+    if (c == ' ') continue;
     if (c < '1' || c > '6') fail(*this, i, what, "directions from 1 to 6, such as 123");
     set |= 1u << (c - '1');
   }
@@ -181,7 +203,7 @@ std::vector<IdRange> Card::id_list(std::size_t first, const char* what) const {
       range.single = false;
       range.last = id(i, what);
       if (range.last < range.first) fail(*this, i, what, "the end of an ascending range");
-      if (text(i + 1) == "BY") range.step = id(i + 2, "BY"), i += 2;
+      if (says(i + 1, "BY")) range.step = id(i + 2, "BY"), i += 2;
       except = false;
     } else {
       const Id number = id(i, what);

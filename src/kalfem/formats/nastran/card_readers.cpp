@@ -4,6 +4,7 @@
 #include <unordered_map>
 
 #include "kalfem/formats/gmsh/gmsh_scanner.hpp"
+#include "kalfem/formats/nastran/card_ledger.hpp"
 
 namespace kalfem::nastran {
 namespace {
@@ -83,7 +84,7 @@ const std::vector<UnusedClass>& unused_classes() {
       {doubtful, "this coordinate system is not supported", {"CORD"}},
       {missing, "this stiffness is missing", {"GENEL"}},
       {missing, "the terms of this transfer function are missing in stiffness, damping and mass", {"TF"}},
-      {doubtful, "this damping is ignored", {"HYBDAMP", "DAMPING"}},
+      {DeckNoteKind::changed, "this damping is ignored", {"HYBDAMP", "DAMPING"}},
   };
   return classes;
 }
@@ -116,6 +117,9 @@ void read_card(const Card& card, const Reading& reading) {
       unused_card(card, reading);
     else
       reader->second(card, reading);
+    // Words of an included file, which may be no deck, are not shown.
+    const bool is_hidden = reader == readers.end() && card.place.file > 0;
+    account_for_fields(card, reading, is_hidden ? "a card that is not read" : card.name);
   } catch (const CardError& error) {
     reading.files.problem(card.place, error);
   }
@@ -128,6 +132,7 @@ void unused_card(const Card& card, const Reading& reading) {
   if (!is_plain_word(name))
     throw CardError("a line begins with '" + printable(name) + "'", "a card must begin with its name",
                     "correct the line; comments begin with $");
+  for (std::size_t i = 1; i <= card.size(); ++i) card.mark(i, FieldUse::told);
   // Elements that name such a property or material tell that it is not read.
   if ((name.starts_with("P") || name.starts_with("MAT")) && card.is_integer(1)) {
     auto& unread = name.starts_with("MAT") ? reading.bulk.unread_materials : reading.bulk.unread_properties;
@@ -136,6 +141,8 @@ void unused_card(const Card& card, const Reading& reading) {
   }
   // A word at the start of a line makes no card, and a file that is included may be no deck: its words are not shown.
   const std::string unknown = card.place.file > 0 ? "an unknown card of an included file" : name;
+  if (name.starts_with("NSM") && !reading.chooses_nsm)
+    return reading.note(card, name, "no NSM of the case control chooses it, so it adds no mass", unused);
   if (is_left_out_element(name))
     return reading.note(card, name, "unsupported element: its stiffness and mass are missing", missing);
   for (const auto& [kind, consequence, prefixes] : unused_classes())
@@ -146,7 +153,7 @@ void unused_card(const Card& card, const Reading& reading) {
         return;
       }
   if (name.starts_with("P") || name.starts_with("MAT"))
-    return reading.note(card, unknown, "unsupported card: elements that refer to it cannot be built");
+    return reading.note(card, unknown, "unsupported card: elements that refer to it cannot be built", unused);
   if (name.starts_with("C"))
     return reading.note(card, unknown, "unknown card; by its name it is an element: its stiffness and mass are missing",
                         missing);

@@ -16,10 +16,17 @@ struct Reading {
   BulkData& bulk;
   DeckNotes& notes;
   DeckFiles& files;
+  Ledger* ledger = nullptr;  ///< where it is kept
+  bool chooses_nsm = true;   ///< NSM, NSM1, ... add mass: the case control chooses a set, or there is none
 
-  void note(const Card& card, const std::string& what, const std::string& consequence,
-            DeckNoteKind kind = DeckNoteKind::unused) const {
+  void note(const Card& card, const std::string& what, const std::string& consequence, DeckNoteKind kind) const {
     notes.add(files.location(card.place), what, consequence, kind);
+  }
+  /// The same of a field that has been read and is not used.
+  void tell(const Card& card, std::size_t field, const std::string& what, const std::string& consequence,
+            DeckNoteKind kind) const {
+    card.mark(field, FieldUse::told);
+    note(card, what, consequence, kind);
   }
 };
 
@@ -41,6 +48,11 @@ std::span<const CardReader> constraint_cards();
 std::span<const CardReader> load_cards();
 std::span<const CardReader> matrix_cards();  ///< DMIG, PARAM
 
+/// Adds a property under its number; throws CardError where its kind of element has one of this number.
+void add_property(BulkData& bulk, Id id, PropertyCard card);
+/// GE of a scalar element or its property, which is not used.
+void tell_structural_damping(const Card& card, const Reading& in, std::size_t field);
+
 /// Reads a card of any kind. Cards that are not read become notes, with what that means, or are passed over where they
 /// only ask for results or belong to other analyses; see unused_card().
 void read_card(const Card& card, const Reading& reading);
@@ -57,7 +69,7 @@ std::size_t dimension_count(const std::string& shape);
 /// and HAT, with the plane 1 (y) upright in the manual's figures and z to the left in them.
 ///
 /// Area and moments of inertia are those of the rectangles that make up the section. Torsion: exact for circles and
-/// rectangles [TG70], Bredt's formula for boxes, sum of l t^3 / 3 for open walls. Shear centre of open walls by
+/// rectangles [TG70], box_torsion() for boxes, sum of l t^3 / 3 for open walls. Shear centre of open walls by
 /// sectorial areas [Vla61]: with omega from the centroid, I_wy - a_y I_yz + a_z I_yy = 0 and
 /// I_wz - a_y I_zz + a_z I_yz = 0. Shear factors: [Cow66] for circles, tubes and boxes, 5/6 for rectangles; of open
 /// walls the share of the walls along the force, of those along z times 5/6.

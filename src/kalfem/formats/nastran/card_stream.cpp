@@ -1,161 +1,14 @@
 #include "kalfem/formats/nastran/card_stream.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "kalfem/formats/gmsh/gmsh_scanner.hpp"
-#include "kalfem/formats/nastran/card.hpp"
+#include "kalfem/formats/nastran/replication.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
-#include "kalfem/formats/text_file.hpp"
 
 namespace kalfem::nastran {
-namespace {
-
-constexpr std::size_t most_told = 12;
-constexpr std::size_t deepest_include = 50;
-constexpr std::size_t most_includes = 10'000;
-/// A name in quotes ends within so many lines.
-constexpr int longest_name = 20;
-
-/// Without what stands behind '$' (outside quotes, as in the name of a file) and blanks at the end.
-std::string_view without_comment(std::string_view text) {
-  char quote = 0;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (quote != 0) {
-      if (c == quote) quote = 0;
-    } else if (c == '\'' || c == '"') {
-      quote = text.find(c, i + 1) != std::string_view::npos ? c : '\0';
-    } else if (c == '$') {
-      text = text.substr(0, i);
-      break;
-    }
-  }
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r')) text.remove_suffix(1);
-  return text;
-}
-
-bool begins_include(std::string_view text) {
-  text = trimmed(text);
-  return text.size() > 7 && upper_case(text.substr(0, 7)) == "INCLUDE" &&
-         std::string_view(" \t'\"=").find(text[7]) != std::string_view::npos;
-}
-
-}  // namespace
-
-std::int32_t DeckFiles::add(const std::string& name) {
-  names_.push_back(name);
-  return static_cast<std::int32_t>(names_.size()) - 1;
-}
-
-SourceLocation DeckFiles::location(const Place& place) const {
-  const auto file = static_cast<std::size_t>(place.file);
-  return {file < names_.size() ? names_[file] : "", place.line};
-}
-
-void DeckFiles::problem(const Place& place, const std::string& what, const std::string& why, const std::string& fix) {
-  if (++count_ > most_told) return;
-  const bool included = place.file > 0;
-  listed_.add(location(place), included ? without_quotations(what) : what, included ? without_quotations(why) : why,
-              fix);
-}
-
-void DeckFiles::raise() const {
-  IssueList all = listed_;
-  if (!all.empty() && open_end_)
-    all.add(location(*open_end_), "ENDDATA is missing", "the deck may be truncated", "export the file again");
-  if (count_ > most_told)
-    all.add(all.issues().back().location,
-            "and " + std::to_string(count_ - most_told) + " more problems are not listed");
-  all.raise();
-}
-
-DeckLines::DeckLines(std::string content, const std::string& source, IncludeLoader loader, DeckFiles& files)
-    : loader_(std::move(loader)), files_(files) {
-  open(std::move(content), source);
-}
-
-void DeckLines::open(std::string content, const std::filesystem::path& path) {
-  ++opened_;
-  texts_.push_back(std::move(content));
-  stack_.push_back({path, texts_.back(), {files_.add(path.string()), 0}});
-}
-
-std::optional<std::string_view> DeckLines::raw_line() {
-  auto& file = stack_.back();
-  if (file.rest.empty()) return std::nullopt;
-  const std::size_t end = std::min(file.rest.find('\n'), file.rest.size());
-  const auto text = file.rest.substr(0, end);
-  const bool has_end = end < file.rest.size();
-  file.rest.remove_prefix(std::min(end + 1, file.rest.size()));
-  ++file.place.line;
-  if (!has_end && stack_.size() > 1 && !without_comment(text).empty()) open_ends_.push_back(file.place);
-  return text;
-}
-
-// Comments begin with $, and INCLUDE may stand anywhere. Its file name may be in quotes and go on over several lines.
-// Files are a stack: an INCLUDE opens one on top, its end closes it. All texts stay alive, as cards hold views of them.
-std::optional<DeckLine> DeckLines::next() {
-  while (!stack_.empty()) {
-    const auto raw = raw_line();
-    if (!raw) {
-      stack_.pop_back();
-      continue;
-    }
-    if (raw->empty() || raw->front() == '$') continue;
-    const Place place = stack_.back().place;
-    if (begins_include(*raw)) {
-      include(*raw, place);
-      continue;
-    }
-    const auto text = without_comment(*raw);
-    if (!text.empty()) return DeckLine{text, place};
-  }
-  return std::nullopt;
-}
-
-void DeckLines::include(std::string_view statement, const Place& place) {
-  std::string_view rest = trimmed(trimmed(statement).substr(7));
-  if (rest.starts_with('=')) rest = trimmed(rest.substr(1));
-  std::string name;
-  if (rest.starts_with('\'') || rest.starts_with('"')) {
-    const char quote = rest.front();
-    rest.remove_prefix(1);
-    std::size_t end = rest.find(quote);
-    for (int lines = 0; end == std::string_view::npos && lines < longest_name; ++lines) {
-      name += trimmed(rest);
-      const auto more = raw_line();
-      if (!more) break;
-      rest = *more;
-      end = rest.find(quote);
-    }
-    if (end == std::string_view::npos)
-      return files_.problem(place, "INCLUDE: the file name is not closed", "its closing quotation mark is missing",
-                            "close it");
-    name += trimmed(rest.substr(0, end));
-  } else {
-    name = trimmed(without_comment(rest));
-  }
-  std::ranges::replace(name, '\\', '/');
-  const std::string title = "INCLUDE '" + name + "'";
-  if (name.empty()) return files_.problem(place, "INCLUDE without a file name", "", "name it");
-  if (!loader_)
-    return files_.problem(place, title + " cannot be followed", "this deck is read without access to other files");
-  const auto path = (stack_.back().path.parent_path() / name).lexically_normal();
-  if (std::ranges::any_of(stack_, [&](const Open& file) { return file.path.lexically_normal() == path; }))
-    return files_.problem(place, title + ": the file includes itself", "the inclusion would never end",
-                          "remove the INCLUDE");
-  if (stack_.size() >= deepest_include || opened_ >= most_includes)
-    return files_.problem(place, title + " is nested more than " + std::to_string(deepest_include) +
-                                     " levels deep, or there are more than " + std::to_string(most_includes));
-  try {
-    open(loader_(path), path);
-  } catch (const InvalidInput& error) {
-    files_.problem(place, title + ": '" + path.string() + "' cannot be read", "the deck continues in that file",
-                   "names are relative to the including file");
-  }
-}
-
 namespace {
 
 /// A longer card is a mistake: of a file that is no deck.
@@ -178,8 +31,30 @@ std::string_view columns(std::string_view text, std::size_t first, std::size_t w
   return first < text.size() ? trimmed(text.substr(first, width)) : std::string_view{};
 }
 
-/// The name in a marker such as +ABC or *ABC.
-std::string_view marker_name(std::string_view marker) { return marker.empty() ? marker : trimmed(marker.substr(1)); }
+/// The name in a marker such as +ABC or *ABC. The first character counts for nothing, nor does the case.
+std::string marker_name(std::string_view marker) {
+  return marker.empty() ? std::string() : upper_case(trimmed(marker.substr(1)));
+}
+
+/// Numbers of lines, as in punch files, are no markers.
+std::string marker_in_tenth_field(std::string_view field) {
+  const bool has_sign = field.starts_with('+') || field.starts_with('*');
+  return has_sign || !parse_integer(trimmed(field)) ? marker_name(field) : std::string();
+}
+
+/// Cards whose fields are formulas or texts, with commas and signs that mean nothing here.
+bool is_free_text(std::string_view line) {
+  if (std::string_view("DMSUFdmsuf").find(line.front()) == std::string_view::npos) return false;
+  const auto name = upper_case(line.substr(0, std::min(line.find_first_of(", \t"), std::size_t{8})));
+  constexpr std::array names = {"DEQATN", "MONPNT1", "MONPNT2", "MONPNT3", "MONDSP1", "MONGRP",
+                                "MONSUM", "SELABEL", "UDNAME",  "FBODYLD", "FBODYSB", "FRFXIT"};
+  return std::ranges::find(names, name) != names.end();
+}
+
+bool continues_text(std::string_view line) {
+  return line.starts_with(' ') || line.starts_with('\t') || line.starts_with('+') || line.starts_with('*') ||
+         line.starts_with(',');
+}
 
 }  // namespace
 
@@ -187,18 +62,19 @@ std::string_view marker_name(std::string_view marker) { return marker.empty() ? 
 // anywhere in the deck: it is set aside under its marker, a card that ends with a marker nobody has answered is
 // deferred, and finish() joins them.
 void CardStream::line(const DeckLine& text) {
-  if (trimmed(text.text).starts_with('='))
-    return files_.problem(text.place, "a replicated card ('=')", "replication is not supported",
-                          "write the cards in full, as in the echo of the bulk data");
+  if (in_text_ && continues_text(text.text)) return;
+  in_text_ = is_free_text(text.text);
+  if (in_text_) return start_text(text);
   Line line = split(text);
+  if (line.first.starts_with('=')) return replicate(line);
   if (!line.continues) {
     end_card();
     start(line);
     return;
   }
   // A named continuation belongs to the card that asks for it, wherever that stands.
-  const auto name = marker_name(line.first), expected = marker_name(marker_);
-  if (!name.empty() && name != expected && (!expected.empty() || asked_.contains(name))) {
+  const auto name = marker_name(line.first);
+  if (!name.empty() && name != marker_ && (!marker_.empty() || asked_.contains(name))) {
     end_card();
     set_aside(line);
   } else if (has_card_ && card_.place.file != text.place.file) {
@@ -212,6 +88,43 @@ void CardStream::line(const DeckLine& text) {
     files_.problem(text.place, "a continuation ('" + printable(text.text) + "') without a card before it",
                    "a line whose first field is blank or begins with + or * continues a card",
                    "correct the line or the previous one");
+  }
+}
+
+/// A card of free text is its name alone.
+void CardStream::start_text(const DeckLine& text) {
+  Line line;
+  line.place = text.place;
+  line.first = text.text.substr(0, std::min(text.text.find_first_of(", \t"), std::size_t{8}));
+  end_card();
+  start(line);
+}
+
+// "=" begins the image of the card before, "=(n)" further n images by the steps of the last one.
+void CardStream::replicate(const Line& line) {
+  const auto problem = [&](const std::string& why) {
+    files_.problem(line.place, "a replicated card ('=')", why,
+                   "write the card in full, as in the echo of the bulk data");
+  };
+  if (!has_card_ || card_.fields.size() > 8)
+    return problem("it repeats a card of one line, which must stand before it");
+  const auto count = image_count(line.first);
+  if (!count) return problem("it begins with = or =(n)");
+  const bool has_steps = std::ranges::any_of(line.fields, [](std::string_view field) { return !field.empty(); });
+  if (has_steps || *count == 0) steps_.assign(line.fields.begin(), line.fields.end());
+  if (steps_.empty()) return problem("=(n) repeats the steps of the line before, and there are none");
+  images_ += std::max<std::size_t>(*count, 1);
+  if (images_ > most_images) return problem("the deck has more than " + std::to_string(most_images) + " of them");
+  for (std::size_t i = 0; i < std::max<std::size_t>(*count, 1); ++i) {
+    auto image = image_of(card_.fields, steps_);
+    if (!image) return problem("*(x) adds to a number, and a field of the card before is none");
+    end_card();
+    image_.swap(*image);
+    card_.place = line.place;
+    card_.uses.clear();
+    card_.fields.assign(image_.begin(), image_.end());
+    has_card_ = true;
+    marker_.clear();
   }
 }
 
@@ -237,33 +150,40 @@ void CardStream::split_fixed(std::string_view text, Line& line) {
   const std::size_t width = line.large ? 16 : 8;
   for (std::size_t first = 8; first < std::min<std::size_t>(72, text.size()); first += width)
     line.fields.push_back(columns(text, first, width));
-  line.marker = columns(text, 72, 8);
+  if (text.size() > 72) line.marker = marker_in_tenth_field(text.substr(72, 8));
 }
 
 /// Up to 8 (4 of a large field) values and a marker; values behind a marker go on with the card.
 void CardStream::split_free(std::string_view text, Line& line) {
-  std::size_t position = 0, count = 0;
-  const auto next = [&] {
+  std::vector<std::string_view> fields;
+  for (std::size_t position = 0; position <= text.size();) {
     const std::size_t end = std::min(text.find(',', position), text.size());
-    const auto field = trimmed(text.substr(position, end - position));
+    fields.push_back(trimmed(text.substr(position, end - position)));
     position = end + 1;
-    return field;
-  };
-  line.first = next();
+  }
+  line.first = fields.front();
   line.large = line.first.find('*') != std::string_view::npos;
   const std::size_t per_line = line.large ? 4 : 8;
-  while (position <= text.size()) {
-    const auto field = next();
-    if (count % (per_line + 1) != per_line) {
-      line.fields.push_back(field);
-    } else {
-      line.marker = field;
-      const bool is_marker = field.empty() || field.front() == '+' || field.front() == '*';
-      if (!is_marker && (position <= text.size() || parse_real(field)))
-        files_.problem(line.place, "a card in free field with '" + printable(field) + "' in its tenth field",
-                       "that field is reserved for the continuation marker", "begin a new line with a comma or '+,'");
+  const auto last = std::find_if(fields.rbegin(), fields.rend(), [](auto field) { return !field.empty(); });
+  const auto filled = static_cast<std::size_t>(fields.rend() - last);  // commas behind the last field add none
+  for (std::size_t i = 1; i < fields.size(); ++i) {
+    const auto field = fields[i];
+    if (i % (per_line + 1) != 0) {
+      if (i < filled || i <= per_line) line.fields.push_back(field);
+      continue;
     }
-    ++count;
+    const bool goes_on = i + 1 < filled;
+    const bool is_marker = field.empty() || field.front() == '+' || field.front() == '*';
+    // Eight values in a row and a ninth number: a list that its writer did not break.
+    const auto is_value = [](std::string_view value) { return !value.empty(); };
+    const bool is_list = parse_real(field) && std::all_of(line.fields.end() - static_cast<std::ptrdiff_t>(per_line),
+                                                          line.fields.end(), is_value);
+    if (i >= filled) break;
+    if (!is_marker && (goes_on || is_list))
+      files_.problem(line.place, "a card in free field with '" + printable(field) + "' in its tenth field",
+                     "that field is reserved for the continuation marker", "begin a new line with a comma or '+,'");
+    line.marker =
+        goes_on ? std::string() : marker_in_tenth_field(is_marker ? std::string(field) : " " + std::string(field));
   }
 }
 
@@ -273,6 +193,8 @@ void CardStream::start(const Line& line) {
   card_.name = upper_case(name);
   card_.place = line.place;
   card_.fields.clear();
+  card_.uses.clear();
+  steps_.clear();
   has_card_ = true;
   orphan_ = nullptr;
   append(card_.fields, line);
@@ -307,10 +229,9 @@ void CardStream::append(std::vector<std::string_view>& fields, const Line& line)
 
 void CardStream::end_card() {
   if (!std::exchange(has_card_, false)) return;
-  const bool asks = !marker_.empty() && (marker_.front() == '+' || marker_.front() == '*') && marker_.size() > 1;
-  if (asks && orphan_ == nullptr) {
+  if (!marker_.empty() && orphan_ == nullptr) {
     deferred_.emplace_back(card_, marker_);
-    asked_.insert(marker_name(marker_));
+    asked_.insert(marker_);
   } else {
     hand_over(card_);
   }
@@ -327,7 +248,7 @@ void CardStream::finish() {
   end_card();
   for (auto& [card, marker] : deferred_) {
     while (!marker.empty()) {
-      const auto next = orphans_.extract(marker_name(marker));
+      auto next = orphans_.extract(marker);
       if (next.empty()) break;
       const auto& more = next.mapped();
       card.fields.resize((card.fields.size() + 7) / 8 * 8);

@@ -22,6 +22,8 @@ public:
   std::int32_t add(const std::string& name);
   [[nodiscard]] SourceLocation location(const Place& place) const;
   void problem(const Place& place, const std::string& what, const std::string& why = {}, const std::string& fix = {});
+  /// One whose quotations are names of files, which are shown; other words of an included file are not.
+  void problem_with_name(const Place& place, const std::string& what, const std::string& why, const std::string& fix);
   void problem(const Place& place, const CardError& error) { problem(place, error.what(), error.why(), error.fix()); }
   /// The deck ends here without its ENDDATA, which may be the cause of other problems and is told with them.
   void set_open_end(const Place& place) { open_end_ = place; }
@@ -46,7 +48,7 @@ struct DeckLine {
 };
 
 /// The lines of a deck with INCLUDEs put in their places. Names of included files are relative to the file that
-/// includes; a name in quotes may run over several lines. Texts live as long as the object.
+/// includes, or else to the first file; a name in quotes may run over several lines. Texts live as long as the object.
 class DeckLines {
 public:
   DeckLines(std::string content, const std::string& source, IncludeLoader loader, DeckFiles& files);
@@ -79,7 +81,9 @@ private:
 /// name or in the first column) and free field (commas), mixed at will, tabs as to the next multiple of 8 columns.
 ///
 /// A line goes on with the card before it where its first field is blank or begins with '+' or '*'. A named marker
-/// (+ABC) whose card stands elsewhere is found by its name; other markers, and none, mean the next line.
+/// (+ABC) whose card stands elsewhere is found by its name, whatever its case and first character; other markers, and
+/// none, mean the next line. Lines that begin with '=' are images of the card before, see replication.hpp. Cards of
+/// free text, as DEQATN, are handed over without fields.
 class CardStream {
 public:
   using Sink = std::function<void(const Card&)>;
@@ -92,7 +96,7 @@ public:
 private:
   struct Continuation {
     std::vector<std::string_view> fields;
-    std::string_view marker;  ///< that the next line bears
+    std::string marker;  ///< name of the one that the next line bears
     Place place;
   };
   struct Line : Continuation {
@@ -103,6 +107,8 @@ private:
   Line split(const DeckLine& line);
   void split_free(std::string_view text, Line& line);
   static void split_fixed(std::string_view text, Line& line);
+  void start_text(const DeckLine& text);
+  void replicate(const Line& line);
   void start(const Line& line);
   void set_aside(Line& line);
   void append(std::vector<std::string_view>& fields, const Line& line);
@@ -114,11 +120,15 @@ private:
   std::deque<std::string> expanded_;  ///< lines with tabs
   Card card_;
   bool has_card_ = false;
-  std::string_view marker_;         ///< of the line before
-  Continuation* orphan_ = nullptr;  ///< the continuation set aside that following lines belong to
-  std::vector<std::pair<Card, std::string_view>> deferred_;  ///< with the marker that they ask for
-  std::set<std::string_view> asked_;                         ///< names of those markers
-  std::map<std::string_view, Continuation> orphans_;         ///< by name
+  bool in_text_ = false;                                ///< of a card of free text
+  std::string marker_;                                  ///< of the line before
+  Continuation* orphan_ = nullptr;                      ///< the continuation set aside that following lines belong to
+  std::vector<std::pair<Card, std::string>> deferred_;  ///< with the marker that they ask for
+  std::set<std::string> asked_;                         ///< names of those markers
+  std::map<std::string, Continuation> orphans_;         ///< by name
+  std::vector<std::string> steps_;                      ///< of the replication before
+  std::vector<std::string> image_;                      ///< fields of the present card, if it is an image
+  std::size_t images_ = 0;
 };
 
 }  // namespace kalfem::nastran

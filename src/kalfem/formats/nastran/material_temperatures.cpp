@@ -111,8 +111,22 @@ void apply(const MaterialTemperatureCard& dependence, Id id, double temperature,
 
 }  // namespace
 
+namespace {
+
+/// Temperatures of a deck whose materials do not depend on them are thermal loads, or nothing.
+void note_temperature_loads(const BulkData& bulk, const DeckFiles& files, DeckNotes& notes) {
+  for (const auto& card : bulk.temperatures)
+    notes.add(files.location(card.where), card.node == 0 ? "TEMPD" : "TEMP",
+              bulk.expands ? "thermal loads are not read; load cases with them are refused"
+                           : "no material depends on temperature or expands",
+              DeckNoteKind::unused);
+}
+
+}  // namespace
+
 void apply_temperature(BulkData& bulk, const CaseControl& control, DeckFiles& files, DeckNotes& notes) {
   if (bulk.material_temperatures.empty()) {
+    note_temperature_loads(bulk, files, notes);
     if (bulk.temperature)
       notes.add(files.location({}), "a stated temperature", "no material of the deck depends on it",
                 DeckNoteKind::doubtful);

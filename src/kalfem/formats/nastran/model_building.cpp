@@ -1,5 +1,6 @@
 #include "kalfem/formats/nastran/model_building.hpp"
 
+#include <algorithm>
 #include <numbers>
 
 namespace kalfem::nastran {
@@ -211,22 +212,26 @@ std::pair<std::string, bool> RegionNames::name(const std::string& base, const st
   return {place->second, is_new};
 }
 
-const PropertyCard* find_property(Building& building, Id property, const std::string& title, const Place& where) {
-  const auto card = building.bulk.properties.find(property);
-  if (card != building.bulk.properties.end()) return &card->second;
+const PropertyCard* find_property(Building& building, Id property, const std::string& title, const Place& where,
+                                  const std::function<bool(const PropertyCard&)>& fits) {
+  const auto [first, last] = building.bulk.properties.equal_range(property);
+  const auto card = std::find_if(first, last, [&](const auto& item) { return fits(item.second); });
+  if (card != last) {
+    for (const auto& [what, consequence] : card->second.changes)
+      building.note(card->second.where, what, consequence, DeckNoteKind::changed);
+    return &card->second;
+  }
   const auto unread = building.bulk.unread_properties.find(property);
   if (unread != building.bulk.unread_properties.end())
     building.files.problem(where, title + " names the " + unread->second + " " + std::to_string(property),
                            "this type of property is not supported", "define the section by another card");
+  else if (first != last)
+    building.files.problem(where, title + " has a " + first->second.kind + " as its property",
+                           "this property belongs to another type of element", "correct the number of the property");
   else
     building.files.problem(where, title + ": property " + std::to_string(property) + " is missing",
                            "the card refers to it", "add the property, or correct the number");
   return nullptr;
-}
-
-void wrong_property(Building& building, const PropertyCard& card, const std::string& title, const Place& where) {
-  building.files.problem(where, title + " has a " + card.kind + " as its property",
-                         "this property belongs to another type of element", "correct the number of the property");
 }
 
 const MaterialCard* Materials::find(Id id, const std::string& title, const Place& where) {
@@ -252,12 +257,12 @@ IsotropicMaterial Materials::complete(const Material1& law, const Place& where) 
   // A shear modulus of its own stays in beams; Poisson's ratio of a material must be one.
   if (!given(law.poissons_ratio) && !(nu > -1.0 && nu < 0.5)) {
     building_.note(where, "MAT1 with E and G that imply a Poisson's ratio outside -1 to 0.5",
-                   "shells and solids use 0.3; beams and rods keep E and G");
+                   "shells and solids use 0.3; beams and rods keep E and G", DeckNoteKind::doubtful);
     nu = 0.3;
   } else if (given(g) && given(law.poissons_ratio) && given(law.youngs_modulus) &&
              std::abs(g * 2.0 * (1.0 + nu) - e) > 0.01 * std::abs(e)) {
     building_.note(where, "MAT1 with inconsistent E, G and NU",
-                   "shells and solids use E and NU; beams and rods keep E and G");
+                   "shells and solids use E and NU; beams and rods keep E and G", DeckNoteKind::doubtful);
   }
   return {given(e) ? e : 0.0, nu, law.density * building_.bulk.mass_factor};
 }

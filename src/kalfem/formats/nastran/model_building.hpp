@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -74,12 +75,12 @@ struct Building {
   DeckFiles& files;
   DeckNotes& notes;
   FiniteElementModel& model;
+  std::optional<std::int64_t> stated_subcase = {};        ///< load cases are read of this one alone
   std::set<Id> supports = {};                             ///< sets of SPC that hold, see build_constraints()
   std::map<Eigen::Index, Eigen::Index> local_nodes = {};  ///< of nodes with a CD system that load cases move along it
   MatrixGather matrices = {};  ///< of scalar masses, mass matrices and springs without a name of their own
 
-  void note(const Place& place, const std::string& what, const std::string& consequence,
-            DeckNoteKind kind = DeckNoteKind::unused) {
+  void note(const Place& place, const std::string& what, const std::string& consequence, DeckNoteKind kind) {
     notes.add(files.location(place), what, consequence, kind);
   }
   /// Index of a node; -1, with the problem noted, where there is none.
@@ -121,12 +122,26 @@ void build_bushes(Building& building);
 void build_masses(Building& building);
 void build_direct_matrices(Building& building);
 void build_constraints(Building& building);
-/// One load case for each subcase, "subcase1", ...; without case control for each set of loads, "load5".
+/// Tells of the structural damping of materials, once for each element that has one.
+void note_damped_elements(Building& building);
+/// The sets of SPC that a subcase's choice stands for, sums followed.
+std::set<Id> spc_sets(Building& building, std::optional<Id> spc);
+/// Supports by these sets, with the permanent ones of GRID cards: those of a load case that has other ones than the
+/// model.
+std::vector<FixedNodes> supports_of(Building& building, const std::set<Id>& sets);
+/// One load case for each subcase, "subcase1", ...; without case control for each set of loads, "load5". Loads that are
+/// not read, and subcases that need another structure than the model's, are problems.
 std::vector<LoadCase> build_load_cases(Building& building);
+/// The load case whose stresses the chosen subcase carries (STATSUB); nothing where it carries none.
+std::optional<LoadCase> build_preload(Building& building);
+/// Bars in one line whose twist as a whole nothing holds keep its inertia in their lumped mass, with a note.
+void keep_free_twist(Building& building);
+/// Supports of load cases that have other ones than the model.
+using OtherSupports = std::vector<std::vector<FixedNodes>*>;
 /// PARAM AUTOSPC: holds the motions of nodes that nothing stiffens, see singular_motions.cpp.
-void apply_autospc(Building& building);
+void apply_autospc(Building& building, const OtherSupports& others);
 /// PARAM K6ROT, see singular_motions.cpp.
-void apply_k6rot(Building& building);
+void apply_k6rot(Building& building, const OtherSupports& others);
 
 /// Cells of a property that share what a region holds. `key` tells variants apart; names are "pshell3", "pshell3.2",
 /// ...
@@ -140,19 +155,16 @@ private:
   std::map<std::string, int> variants_;
 };
 
-/// Property of an element; null, with the problem noted, where it is missing or of another kind of element.
-template <typename Law>
-const Law* find_law(Building& building, Id property, const std::string& title, const Place& where);
-const PropertyCard* find_property(Building& building, Id property, const std::string& title, const Place& where);
-void wrong_property(Building& building, const PropertyCard& card, const std::string& title, const Place& where);
+/// Properties of different kinds of elements may share a number. The one that `fits`; null, with the problem noted,
+/// where there is none of this number, or none that fits.
+const PropertyCard* find_property(Building& building, Id property, const std::string& title, const Place& where,
+                                  const std::function<bool(const PropertyCard&)>& fits);
 
 template <typename Law>
 const Law* find_law(Building& building, Id property, const std::string& title, const Place& where) {
-  const PropertyCard* card = find_property(building, property, title, where);
-  if (card == nullptr) return nullptr;
-  const Law* law = std::get_if<Law>(&card->law);
-  if (law == nullptr) wrong_property(building, *card, title, where);
-  return law;
+  const auto fits = [](const PropertyCard& card) { return std::holds_alternative<Law>(card.law); };
+  const PropertyCard* card = find_property(building, property, title, where, fits);
+  return card == nullptr ? nullptr : &std::get<Law>(card->law);
 }
 
 /// sum of the terms = 0, of which a component of a node, in its own axes, depends.

@@ -14,8 +14,8 @@ void read_spc(const Card& card, const Reading& in) {
     in.bulk.spcs.push_back(
         {card.id(1, "SID"), card.components(first + 1, "C"), {{node, node, 1, true}}, card.place, value});
     if (value != 0.0 && !in.bulk.with_loads)
-      in.note(card, "enforced displacement (D of SPC)",
-              "the node is fixed at zero; `static: {deck_cases: true}` imposes it");
+      in.tell(card, first + 2, "enforced displacement (D of SPC)",
+              "the node is fixed at zero; `static: {deck_cases: true}` imposes it", DeckNoteKind::unused);
   }
 }
 
@@ -39,6 +39,8 @@ void read_mpc(const Card& card, const Reading& in) {
     for (const std::size_t first : {line + 1, line + 4}) {
       if (card.blank(first)) continue;
       const double coefficient = card.real_or(first + 2, 0.0, "A");
+      if (coefficient == 0.0)
+        in.tell(card, first, "terms of MPC whose coefficient is 0", "they have no effect", DeckNoteKind::unused);
       mpc.terms.push_back({card.id(first, "G"), card.component(first + 1, "C"), coefficient});
     }
   if (mpc.terms.empty() || mpc.terms.front().coefficient == 0.0)
@@ -50,22 +52,35 @@ void read_mpc(const Card& card, const Reading& in) {
 
 constexpr unsigned all_six = 63;
 
+unsigned needed_components(const Card& card, std::size_t field, const char* what) {
+  const unsigned components = card.components(field, what);
+  if (components == 0)
+    throw CardError(title(card) + ": " + what + " (" + place_on_card(field) + ") names no components",
+                    "the card would connect nothing there", "name components, such as 123456");
+  return components;
+}
+
+void tell_expansion(const Card& card, const Reading& in, std::size_t field) {
+  in.tell(card, field, "ALPHA, TREF of " + card.name, "thermal expansion is not used", DeckNoteKind::unused);
+}
+
 /// RBE2 EID GN CM GM1 GM2 ... (ALPHA).
 void read_rbe2(const Card& card, const Reading& in) {
   RigidBodyCard body{.kind = "RBE2", .id = card.id(1, "EID")};
   body.independent.emplace_back(card.id(2, "GN"), all_six);
-  const unsigned components = card.components(3, "CM");
+  const unsigned components = needed_components(card, 3, "CM");
   std::size_t last = card.size();
-  // The last field may be the thermal expansion, a real number.
-  if (last >= 5 && !card.is_integer(last) && card.is_number(last)) --last;
+  // The last field may be the thermal expansion, a real number, with its temperature behind it.
+  for (int i = 0; i < 2 && last >= 5 && !card.is_integer(last) && card.is_number(last); ++i)
+    tell_expansion(card, in, last--);
   for (std::size_t i = 4; i <= last; ++i) {
     if (card.blank(i)) continue;
-    if (card.text(i) == "THRU")
+    if (card.says(i, "THRU"))
       throw CardError(title(card) + ": THRU in the list of GM", "THRU is not supported here", "list the grid points");
     body.dependent.emplace_back(card.id(i, "GM"), components);
   }
   body.where = card.place;
-  in.bulk.element_ids.emplace_back(body.id, card.place);
+  in.bulk.add_element(ElementKind::rigid, body.id, card.place);
   in.bulk.rigid.push_back(std::move(body));
 }
 
@@ -79,7 +94,7 @@ void read_rbar(const Card& card, const Reading& in) {
   body.independent = {{a, lead_a}, {b, lead_b}};
   body.dependent = {{a, follow_a}, {b, follow_b}};
   body.where = card.place;
-  in.bulk.element_ids.emplace_back(body.id, card.place);
+  in.bulk.add_element(ElementKind::rigid, body.id, card.place);
   in.bulk.rigid.push_back(std::move(body));
 }
 
@@ -89,7 +104,7 @@ void read_rrod(const Card& card, const Reading& in) {
   body.independent = {{card.id(2, "GA"), 0u}, {card.id(3, "GB"), 0u}};
   body.dependent = {{card.id(2, "GA"), card.components(4, "CMA")}, {card.id(3, "GB"), card.components(5, "CMB")}};
   body.where = card.place;
-  in.bulk.element_ids.emplace_back(body.id, card.place);
+  in.bulk.add_element(ElementKind::rigid, body.id, card.place);
   in.bulk.rigid.push_back(std::move(body));
 }
 
@@ -98,13 +113,15 @@ void read_rbe1(const Card& card, const Reading& in) {
   RigidBodyCard body{.kind = "RBE1", .id = card.id(1, "EID")};
   bool dependent = false;
   for (std::size_t line = 1; line <= card.size(); line += 8) {
-    dependent = dependent || card.text(line) == "UM";
+    dependent = card.says(line, "UM") || dependent;
     for (const std::size_t i : {line + 1, line + 3, line + 5})
       if (card.is_integer(i))
-        (dependent ? body.dependent : body.independent).emplace_back(card.id(i, "G"), card.components(i + 1, "C"));
+        (dependent ? body.dependent : body.independent).emplace_back(card.id(i, "G"), needed_components(card, i + 1, "C"));
+      else if (card.is_number(i))
+        tell_expansion(card, in, i);
   }
   body.where = card.place;
-  in.bulk.element_ids.emplace_back(body.id, card.place);
+  in.bulk.add_element(ElementKind::rigid, body.id, card.place);
   in.bulk.rigid.push_back(std::move(body));
 }
 
@@ -113,14 +130,16 @@ void read_rbe3(const Card& card, const Reading& in) {
   WeightedCard link;
   link.id = card.id(1, "EID");
   link.reference = card.id(3, "REFGRID");
-  link.components = card.components(4, "REFC");
+  link.components = needed_components(card, 4, "REFC");
   std::size_t i = 5;
   for (; i <= card.size(); ++i) {
     if (card.blank(i)) continue;
-    const auto word = card.text(i);
-    if (word == "UM" || word == "ALPHA") break;
+    if (card.says(i, "UM") || card.says(i, "ALPHA")) break;
     if (!card.is_integer(i)) {
       link.groups.push_back({card.real(i, "WT"), card.components(i + 1, "C"), {}});
+      if (link.groups.back().components == 0)
+        throw CardError(title(card) + ": the weight in " + place_on_card(i) + " has no components",
+                        "a group is a weight, its components and its grid points", "complete or remove the group");
       ++i;
     } else if (link.groups.empty()) {
       throw CardError(title(card) + ": the first weight is '" + std::string(card.raw(i)) + "'",
@@ -129,14 +148,20 @@ void read_rbe3(const Card& card, const Reading& in) {
       link.groups.back().nodes.push_back(card.id(i, "G"));
     }
   }
-  if (i <= card.size() && card.text(i) == "UM")
-    for (++i; i <= card.size() && card.text(i) != "ALPHA"; ++i)
-      if (card.is_integer(i)) {
+  if (card.says(i, "UM"))
+    for (++i; i <= card.size() && !card.says(i, "ALPHA"); ++i)
+      if (!card.blank(i)) {
         link.moved.emplace_back(card.id(i, "GM"), card.components(i + 1, "CM"));
         ++i;
       }
+  for (++i; i <= card.size(); ++i)  // behind ALPHA
+    if (card.is_number(i)) tell_expansion(card, in, i);
+  for (const auto& group : link.groups)
+    if (group.nodes.empty())
+      throw CardError(title(card) + " has a weight without grid points",
+                      "a group is a weight, its components and its grid points", "complete or remove the group");
   link.where = card.place;
-  in.bulk.element_ids.emplace_back(link.id, card.place);
+  in.bulk.add_element(ElementKind::rigid, link.id, card.place);
   in.bulk.weighted.push_back(std::move(link));
 }
 

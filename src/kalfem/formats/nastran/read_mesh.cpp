@@ -115,12 +115,15 @@ void read_shell(const Card& card, const Reading& in, const ShellFields& fields) 
       thickness.values[i] = card.real(fields.thickness + i, "T");
       any = true;
     }
+  if (!any && !card.blank(fields.flag))
+    in.tell(card, fields.flag, "TFLAG of shells without thicknesses at their corners", "it has no effect",
+            DeckNoteKind::unused);
   if (any) {
     shell.thickness = static_cast<std::int32_t>(in.bulk.corner_thickness.size());
     in.bulk.corner_thickness.push_back(thickness);
   }
   shell.where = card.place;
-  in.bulk.element_ids.emplace_back(shell.id, card.place);
+  in.bulk.add_element(ElementKind::structural, shell.id, card.place);
   in.bulk.shells.push_back(shell);
 }
 
@@ -135,7 +138,7 @@ void read_shear(const Card& card, const Reading& in) {
   panel.property = card.id_or(2, panel.id, "PID");
   for (std::size_t i = 0; i < 4; ++i) panel.nodes[i] = card.id(3 + i, "a grid point");
   panel.where = card.place;
-  in.bulk.element_ids.emplace_back(panel.id, card.place);
+  in.bulk.add_element(ElementKind::structural, panel.id, card.place);
   in.bulk.shear_panels.push_back(panel);
 }
 
@@ -150,7 +153,7 @@ void read_solid(const Card& card, const Reading& in, CellShape shape, std::size_
   for (std::size_t i = 0; i < most; ++i)
     solid.nodes[i] = i < corners ? card.id(3 + i, "a grid point") : card.id_or(3 + i, 0, "a grid point");
   solid.where = card.place;
-  in.bulk.element_ids.emplace_back(solid.id, card.place);
+  in.bulk.add_element(ElementKind::structural, solid.id, card.place);
   in.bulk.solids.push_back(solid);
 }
 
@@ -189,7 +192,7 @@ Eigen::Vector3d vector_at(const Card& card, std::size_t first, const char* what)
   return vector;
 }
 
-/// Three letters of OFFT; a number there is BIT, which only concerns stress.
+/// Three letters of OFFT.
 std::array<char, 3> offset_axes(const Card& card, std::size_t i, const std::string& otherwise) {
   const auto word = card.blank(i) || card.is_number(i) ? otherwise : card.text(i);
   if (word.size() != 3 || word.find_first_not_of("GBOE") != std::string::npos || word[0] == 'O' || word[0] == 'E')
@@ -224,6 +227,7 @@ void read_beam(const Card& card, const Reading& in) {
     beam.orientation_node = card.id(5, "G0");
   else
     beam.orientation = vector_at(card, 5, "X");
+  // A number there is BIT, the twist of beams of higher order.
   const bool has_axes = !card.blank(8) && !card.is_number(8);
   beam.axes = has_axes ? offset_axes(card, 8, "GGG") : std::array{'?', '?', '?'};
   beam.pins = {card.components(9, "PA"), card.components(10, "PB")};
@@ -231,10 +235,11 @@ void read_beam(const Card& card, const Reading& in) {
   beam.offsets.col(1) = vector_at(card, 14, "WB");
   beam.is_bar = card.name == "CBAR";
   beam.where = card.place;
-  if (!card.blank(17) || !card.blank(18))
-    in.note(card, "warping (SA, SB of CBEAM)",
-            "torsion follows St Venant; the stiffness of restrained warping is ignored");
-  in.bulk.element_ids.emplace_back(beam.id, card.place);
+  for (const std::size_t i : {17, 18})
+    if (!beam.is_bar && !card.blank(i))
+      in.tell(card, i, "warping (SA, SB of CBEAM)",
+              "torsion follows St Venant; the stiffness of restrained warping is ignored", DeckNoteKind::changed);
+  in.bulk.add_element(ElementKind::structural, beam.id, card.place);
   in.bulk.beams.push_back(beam);
 }
 
@@ -245,7 +250,7 @@ void add_rod(const Card& card, const Reading& in, const char* kind, Id property,
   rod.property = property;
   rod.nodes = {card.id(nodes, "G1"), card.id(nodes + 1, "G2")};
   rod.where = card.place;
-  in.bulk.element_ids.emplace_back(rod.id, card.place);
+  in.bulk.add_element(ElementKind::structural, rod.id, card.place);
   in.bulk.rods.push_back(rod);
 }
 

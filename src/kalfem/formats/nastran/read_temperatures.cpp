@@ -29,7 +29,7 @@ void add_table(const Card& card, const Reading& in, MaterialTable table) {
 
 void read_tablem1(const Card& card, const Reading& in) {
   for (const std::size_t axis : {2, 3})
-    if (card.text(axis) == "LOG")
+    if (!card.says(axis, "LINEAR") && card.says(axis, "LOG"))
       throw CardError(title(card) + " has a logarithmic axis", "linear ones are read", "write its points linearly");
   add_table(card, in, {.form = MaterialTable::Form::value, .points = read_points(card)});
 }

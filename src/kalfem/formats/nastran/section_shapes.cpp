@@ -242,9 +242,8 @@ OpenSection hat(double height, double t, double top, double brim) {
   return open;
 }
 
-// Bredt: J = 4 A_m^2 / (sum of l / t) along the middle lines, A_m the area that they enclose. Shear is carried by the
-// two walls along it, with the factor 5/6.
-/// A closed box with walls of their own thickness, in Bredt's theory.
+// Shear is carried by the two walls along it, with the factor 5/6.
+/// A closed box with walls of their own thickness.
 SectionCard box_section(double width, double height, double top, double bottom, double left, double right) {
   const std::vector<Rectangle> rectangles = {
       box_between(0.0, height, 0.0, right), box_between(0.0, height, width - left, width),
@@ -255,10 +254,8 @@ SectionCard box_section(double width, double height, double top, double bottom, 
   section.i1 = moments.yy;
   section.i2 = moments.zz;
   section.i12 = moments.yz;
-  const double inner_width = width - (left + right) / 2.0, inner_height = height - (top + bottom) / 2.0;
-  const double enclosed = inner_width * inner_height;
-  section.torsion = 4.0 * enclosed * enclosed /
-                    (inner_width * (1.0 / top + 1.0 / bottom) + inner_height * (1.0 / left + 1.0 / right));
+  section.torsion =
+      box_torsion(width - (left + right) / 2.0, height - (top + bottom) / 2.0, {bottom, top}, {left, right});
   section.k1 = 5.0 / 6.0 * height * (left + right) / moments.area;
   section.k2 = 5.0 / 6.0 * width * (top + bottom) / moments.area;
   return section;

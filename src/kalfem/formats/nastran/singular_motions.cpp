@@ -119,12 +119,23 @@ std::vector<bool> linked_nodes(const FiniteElementModel& model) {
   return linked;
 }
 
+/// A direction without stiffness that the model's supports hold is held in load cases with other supports too.
+void hold_elsewhere(const Eigen::Matrix3d& sum, Eigen::Index node, int block, unsigned fixed,
+                    const OtherSupports& others) {
+  for (int i = 0; i < 3; ++i) {
+    if (((fixed >> (3 * block + i)) & 1u) == 0 || !(sum.col(i).norm() <= weakest)) continue;
+    FixedNodes held{"autospc", {node}, {}};
+    held.directions[static_cast<std::size_t>(3 * block + i)] = true;
+    for (auto* supports : others) supports->push_back(held);
+  }
+}
+
 }  // namespace
 
 /// The sum of a a^T over what stiffens the translations (rotations) of a node has an eigenvalue below 1e-8 for a
 /// direction without stiffness; that motion is held, where the node hangs on no link or constraint and it is not held
 /// already.
-void apply_autospc(Building& building) {
+void apply_autospc(Building& building, const OtherSupports& others) {
   if (!building.bulk.autospc) return;
   auto& model = building.model;
   const auto stiffening = stiffening_of(model);
@@ -137,13 +148,14 @@ void apply_autospc(Building& building) {
   for (const auto& [place, sum] : stiffening.partial()) {
     const auto [node, block] = place;
     if (linked[static_cast<std::size_t>(node)] || stiffening.is_full(node, block) || building.is_scalar(node)) continue;
+    hold_elsewhere(sum, node, block, fixed[static_cast<std::size_t>(node)], others);
     Eigen::Matrix3d held_sum = sum;
     for (int i = 0; i < 3; ++i)
       if (((fixed[static_cast<std::size_t>(node)] >> (3 * block + i)) & 1u) != 0) held_sum(i, i) += 1.0;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(held_sum);
     if (solver.eigenvalues()[0] > weakest) continue;
     building.note(building.bulk.grids[static_cast<std::size_t>(node)].where, "AUTOSPC",
-                  "degrees of freedom without stiffness are fixed, as by PARAM AUTOSPC");
+                  "degrees of freedom without stiffness are fixed, as by PARAM AUTOSPC", DeckNoteKind::unused);
     ReducedEquations equations;
     for (int i = 0; i < 3; ++i) {
       if (solver.eigenvalues()[i] > weakest) continue;
@@ -197,7 +209,8 @@ void release_held(Building& building, const std::vector<NodalSurface>& surfaces,
   building.note(building.bulk.grids[static_cast<std::size_t>(held.front().node)].where,
                 "fixed rotations of shells about their normal",
                 "Nastran shells have almost no stiffness there: at " + std::to_string(nodes.size()) +
-                    " nodes these rotations are left free, as in Nastran");
+                    " nodes these rotations are left free, as in Nastran",
+                DeckNoteKind::unused);
 }
 
 }  // namespace
@@ -215,11 +228,16 @@ void release_held(Building& building, const std::vector<NodalSurface>& surfaces,
 /// the turn of a node follows the turn of the surface, so that holding it would hold the surface itself against turning
 /// in its plane: such turns are released. Nodes that are held in that plane, as at clamped edges and planes of
 /// symmetry, keep theirs.
-void apply_k6rot(Building& building) {
+void apply_k6rot(Building& building, const OtherSupports& others) {
   auto& model = building.model;
   auto turned = turned_by_others(model);
   const auto surfaces = nodal_surfaces(model);
   release_held(building, surfaces, turned);
+  for (auto* supports : others) {
+    std::swap(model.fixed, *supports);
+    release_held(building, surfaces, turned);
+    std::swap(model.fixed, *supports);
+  }
   std::vector<Eigen::Index> own(turned.size(), -1);
   std::vector<Eigen::Vector3d> places;
   auto& mesh = model.mesh;
@@ -246,7 +264,8 @@ void apply_k6rot(Building& building) {
   if (places.empty()) return;
   building.note({}, "rotations of shells about their normal (K6ROT)",
                 "where shells meet beams, springs or links, " + std::to_string(places.size()) +
-                    " separate nodes leave these rotations nearly free, as in Nastran");
+                    " separate nodes leave these rotations nearly free, as in Nastran",
+                DeckNoteKind::unused);
   mesh.nodes.conservativeResize(3, mesh.nodes.cols() + static_cast<Eigen::Index>(places.size()));
   mesh.nodes.rightCols(static_cast<Eigen::Index>(places.size())) =
       Eigen::Map<const Eigen::Matrix3Xd>(places.front().data(), 3, static_cast<Eigen::Index>(places.size()));
