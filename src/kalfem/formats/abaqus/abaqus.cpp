@@ -6,6 +6,7 @@
 #include "kalfem/formats/abaqus/deck_reader.hpp"
 #include "kalfem/formats/abaqus/elements.hpp"
 #include "kalfem/formats/abaqus/kinematics.hpp"
+#include "kalfem/formats/abaqus/ledger_sweep.hpp"
 #include "kalfem/formats/abaqus/load_cases.hpp"
 #include "kalfem/formats/shell_surfaces.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
@@ -37,9 +38,10 @@ void replace_quadratic_cells(PlacedDeck& deck, FiniteElementModel& model) {
     if (element.cell < 0 || type.family == Family::solid || node_count(type.shape) == corner_count(type.shape))
       continue;
     any = true;
-    deck.notes.add(deck.problems.location(element.raw->where), "element type " + deck.type_name(element),
-                   type.family == Family::beam ? "each is replaced by two linear beams"
-                                               : "each is replaced by four linear shells");
+    deck.notes.add(
+        deck.problems.location(element.raw->where), "element type " + deck.type_name(element),
+        type.family == Family::beam ? "each is replaced by two linear beams" : "each is replaced by four linear shells",
+        DeckNoteKind::changed);
   }
   if (any) replace_quadratic(model);
 }
@@ -57,12 +59,23 @@ void release_held_rotations(PlacedDeck& deck, FiniteElementModel& model) {
   release(model, held);
   deck.notes.add(
       {}, "fixed rotations of shells about their normal",
-      "at " + std::to_string(held.size()) + " nodes these rotations are left free, as in Abaqus and CalculiX");
+      "at " + std::to_string(held.size()) + " nodes these rotations are left free, as in Abaqus and CalculiX",
+      DeckNoteKind::changed);
+}
+
+/// The load case that is the deck's own preload; without wanted load cases it is the only one.
+void take_preload(const RawDeck& raw, Deck& result) {
+  if (const auto* step = preload_step(raw))
+    for (const auto& load_case : result.load_cases)
+      if (load_case.name == step->name()) result.preload = load_case;
+  if (!raw.load_cases) result.load_cases.clear();
+  result.is_static_analysis =
+      !raw.steps.empty() && std::ranges::all_of(raw.steps, [](const auto& step) { return step.is_static(); });
 }
 
 // Order: regions and point elements, then constraints and supports, which motions.store() reduces and stores together.
 // Steps that change cells follow, when no keyword refers to the elements any more.
-void build_model(const RawDeck& raw, bool load_cases, DeckNotes& notes, Problems& problems, Deck& result) {
+void build_model(const RawDeck& raw, bool with_ledger, DeckNotes& notes, Problems& problems, Deck& result) {
   FiniteElementModel& model = result.model;
   PlacedDeck deck(raw, model.mesh, notes, problems);
   if (deck.mesh.node_count() == 0)
@@ -70,7 +83,7 @@ void build_model(const RawDeck& raw, bool load_cases, DeckNotes& notes, Problems
                   "check that this is the right file");
   Materials materials(raw, deck);
   build_regions(raw, deck, materials, model);
-  add_springs(deck, model);
+  add_springs(deck, materials.temperature(), model);
   add_masses(deck, model);
   add_nonstructural_masses(deck, model);
   add_matrices(raw, deck, model);
@@ -86,16 +99,22 @@ void build_model(const RawDeck& raw, bool load_cases, DeckNotes& notes, Problems
   read_multi_point_constraints(deck, motions);
   read_ties(deck, model, motions);
   read_equations(deck, axes, motions);
-  read_boundaries(deck, axes, load_cases, motions);
+  const SupportHistory supports(raw, deck);
+  read_boundaries(deck, axes, supports, motions);
   problems.raise();
   motions.store();
   deck.store_node_sets();
-  if (load_cases) result.load_cases = read_load_cases(raw, deck, axes, model);
+  result.load_cases = read_load_cases(raw, deck, axes, supports, model);
+  take_preload(raw, result);
+  note_steps(raw, notes, problems);
   problems.raise();
   replace_quadratic_cells(deck, model);
   release_held_rotations(deck, model);
   apply_nodal_thickness(deck, model);
   problems.raise();
+  Ledger ledger;
+  settle_ledger(raw, notes, problems, with_ledger ? &ledger : nullptr);
+  result.ledger = ledger.take();
   make_names_unique(model.masses);
   make_names_unique(model.springs);
   make_names_unique(model.joints);
@@ -120,7 +139,7 @@ Deck parse_abaqus(std::string content, const std::string& source, const DeckLoad
   RawDeck raw = read_raw(std::move(content), source, loader, options.load_cases, notes, problems);
   raw.temperature = options.temperature;
   Deck deck;
-  build_model(raw, options.load_cases, notes, problems, deck);
+  build_model(raw, options.ledger, notes, problems, deck);
   deck.model.mesh.source = source;
   deck.model.name = std::filesystem::path(source).stem().string();
   deck.notes = notes.take();

@@ -62,14 +62,12 @@ BeamProfile ellipse(double d1, double d2, double poissons_ratio) {
   return profile;
 }
 
-/// Outer sides a, b; walls at the right, top, left and bottom. J by Bredt.
+/// Outer sides a, b; walls at the right, top, left and bottom.
 std::optional<BeamProfile> box(double a, double b, double right, double top, double left, double bottom, double nu) {
   if (!(right > 0.0 && top > 0.0 && left > 0.0 && bottom > 0.0 && left + right < a && top + bottom < b)) return {};
   BeamProfile profile = put_together(
       {{{0.0, 0.0}, a, b}, {{(left - right) / 2.0, (bottom - top) / 2.0}, a - left - right, b - top - bottom, -1.0}});
-  const double middle_1 = a - (left + right) / 2.0, middle_2 = b - (top + bottom) / 2.0;
-  profile.torsion = 4.0 * std::pow(middle_1 * middle_2, 2) /
-                    (middle_1 / top + middle_1 / bottom + middle_2 / left + middle_2 / right);
+  profile.torsion = box_torsion(a - (left + right) / 2.0, b - (top + bottom) / 2.0, {bottom, top}, {left, right});
   const double mean = std::min((left + right + top + bottom) / 4.0, 0.49 * std::min(a, b));
   const auto even = symmetric(rectangular_tube_section(b, a, mean, nu));
   profile.shear_1 = even.shear_1;
@@ -124,12 +122,17 @@ std::optional<BeamProfile> build(const std::string& shape, const std::vector<dou
 
 }  // namespace
 
-std::optional<BeamProfile> beam_profile(const std::string& shape, const std::vector<double>& data, double nu,
-                                        const Where& where, Problems& problems) {
+std::size_t profile_numbers(const std::string& shape) {
   static const std::map<std::string, std::size_t> numbers = {{"RECT", 2}, {"CIRC", 1}, {"PIPE", 2},   {"BOX", 6},
                                                              {"I", 7},    {"L", 4},    {"GENERAL", 5}};
-  const auto needed = numbers.find(shape);
-  if (needed == numbers.end()) {
+  const auto known = numbers.find(shape);
+  return known == numbers.end() ? 0 : known->second;
+}
+
+std::optional<BeamProfile> beam_profile(const std::string& shape, const std::vector<double>& data, double nu,
+                                        const Where& where, Problems& problems) {
+  const std::size_t needed = profile_numbers(shape);
+  if (needed == 0) {
     problems.add(where, "SECTION=" + to_string(shape) + " is not read",
                  "supported: RECT, CIRC, PIPE, BOX, I, L and GENERAL",
                  "give its A, I11, I12, I22 and J by *BEAM GENERAL SECTION, SECTION=GENERAL");
@@ -140,7 +143,7 @@ std::optional<BeamProfile> beam_profile(const std::string& shape, const std::vec
   if (shape == "BOX" && d.size() == 3) d.resize(6, d[2]);
   if (shape == "GENERAL" && d.size() == 4) d.push_back(0.0);
   std::optional<BeamProfile> profile;
-  if (d.size() >= needed->second) {
+  if (d.size() >= needed) {
     try {
       profile = build(shape, d, std::clamp(nu, -0.99, 0.5));
     } catch (const InvalidInput&) {
@@ -148,10 +151,9 @@ std::optional<BeamProfile> beam_profile(const std::string& shape, const std::vec
     }
   }
   if (!profile || !(profile->area > 0.0) || !std::isfinite(profile->area + profile->i11 + profile->i22))
-    problems.add(
-        where, "the dimensions of the section do not form a section " + shape + " profile",
-        "it needs " + std::to_string(needed->second) + " numbers: lengths above 0, and walls that leave a hole",
-        "correct the data line");
+    problems.add(where, "the dimensions of the section do not form a section " + shape + " profile",
+                 "it needs " + std::to_string(needed) + " numbers: lengths above 0, and walls that leave a hole",
+                 "correct the data line");
   return profile && profile->area > 0.0 ? profile : std::nullopt;
 }
 

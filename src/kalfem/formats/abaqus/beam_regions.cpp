@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "kalfem/formats/abaqus/elements.hpp"
+#include "kalfem/formats/abaqus/ledger_sweep.hpp"
 #include "kalfem/formats/abaqus/raw_deck.hpp"
 
 namespace kalfem::abaqus {
@@ -31,6 +32,10 @@ Releases read_releases(PlacedDeck& deck) {
       }
     }
   return releases;
+}
+
+std::span<const DataLine> first_line(const Block& block) {
+  return std::span(block.lines).first(std::min<std::size_t>(1, block.lines.size()));
 }
 
 /// A beam section's profile, material and lines.
@@ -71,9 +76,7 @@ std::optional<BeamData> beam_data(PlacedDeck& deck, Materials& materials, const 
   const bool is_general = block.keyword.name == "BEAMGENERALSECTION";
   std::string shape = block.keyword.word("SECTION");
   if (shape.empty()) shape = is_general ? "GENERAL" : "";
-  Block first{block.keyword, {}};
-  if (!block.lines.empty()) first.lines.push_back(block.lines.front());
-  const auto numbers = all_numbers(first, 0, "a dimension of the section", deck.problems);
+  const auto numbers = all_numbers(first_line(block), "a dimension of the section", deck.problems);
 
   BeamData data;
   double nu = 0.3;
@@ -82,7 +85,8 @@ std::optional<BeamData> beam_data(PlacedDeck& deck, Materials& materials, const 
     if (!material) return {};
     if (!material->isotropic)
       deck.notes.add(deck.problems.location(block.keyword.where), "beams of the material '" + material->name + "'",
-                     "Young's modulus along axis 1 and Poisson's ratio 0.3 are used");
+                     "Young's modulus along axis 1 and Poisson's ratio 0.3 are used", DeckNoteKind::changed,
+                     draft.elements.size());
     data.material = material->name;
     nu = material->scalar.poissons_ratio;
   } else if (const auto e = to_number(line_of(block, 2).field(0)), g = to_number(line_of(block, 2).field(1));
@@ -91,10 +95,12 @@ std::optional<BeamData> beam_data(PlacedDeck& deck, Materials& materials, const 
   }
   const auto profile = beam_profile(shape, numbers, nu, block.keyword.where, deck.problems);
   if (!profile) return {};
+  forget_from(line_of(block, 0), profile_numbers(shape));
   data.profile = *profile;
   if (shape == "L")
     deck.notes.add(deck.problems.location(block.keyword.where), "SECTION=L",
-                   "the nodes are assumed where the centre lines of its legs meet");
+                   "the nodes are assumed where the centre lines of its legs meet", DeckNoteKind::doubtful,
+                   draft.elements.size());
   if (const auto& line = line_of(block, 1);
       std::ranges::any_of(line.fields, [](const auto& f) { return !f.empty(); })) {
     for (std::size_t i = 0; i < 3; ++i)
@@ -143,7 +149,7 @@ Eigen::Vector3d usable_n1(PlacedDeck& deck, const BeamData& data, const Eigen::V
   const bool even = std::abs(p.i11 - p.i22) < 1e-6 * p.i11 && std::abs(p.i12) < 1e-6 * p.i11;
   if (!even)
     deck.notes.add(deck.problems.location(where), "direction 1 along the beam itself",
-                   "y, or x for beams along y, is used as their direction 1");
+                   "y, or x for beams along y, is used as their direction 1", DeckNoteKind::doubtful);
   return std::abs(tangent.y()) < 0.9 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitX();
 }
 
@@ -197,11 +203,11 @@ void add_trusses(PlacedDeck& deck, Materials& materials, const RegionDraft& draf
   if (block.keyword.name == "SOLIDSECTION") {
     area = number_or(line_of(block, 0), 0, 1.0, "the area of the trusses", deck.problems);
   } else {
-    const auto numbers = block.lines.empty()
-                             ? std::vector<double>{}
-                             : all_numbers({block.keyword, {block.lines.front()}}, 0, "a dimension", deck.problems);
-    const auto profile = beam_profile(block.keyword.word("SECTION"), numbers, 0.3, block.keyword.where, deck.problems);
+    const auto numbers = all_numbers(first_line(block), "a dimension", deck.problems);
+    const std::string shape = block.keyword.word("SECTION");
+    const auto profile = beam_profile(shape, numbers, 0.3, block.keyword.where, deck.problems);
     if (!profile) return;
+    forget_from(line_of(block, 0), profile_numbers(shape));
     area = profile->area;
   }
   if (!material) return;
@@ -223,7 +229,7 @@ void add_trusses(PlacedDeck& deck, Materials& materials, const RegionDraft& draf
                           "its two nodes coincide", "correct them");
         continue;
       }
-      JointSpring joint;
+      JointSpring joint{.is_bar = true};
       joint.name = draft.name + "." + deck.element_name(element) + (nodes.size() > 2 ? (part == 0 ? "a" : "b") : "");
       for (int a = 0; a < 3; ++a) {
         if (along[a] == 0.0) continue;
@@ -232,16 +238,21 @@ void add_trusses(PlacedDeck& deck, Materials& materials, const RegionDraft& draf
       }
       joint.stiffness = material->scalar.youngs_modulus * area / length;
       model.joints.push_back(std::move(joint));
-      for (const std::size_t end : {part, part + 1})
-        lumped[nodes[end]] += 0.5 * material->scalar.density * area * length;
+      for (const std::size_t end : {part, part + 1}) {
+        const double volume = 0.5 * area * length, mass = material->scalar.density * volume;
+        lumped[nodes[end]] += mass;
+        deck.element_masses.push_back({index, nodes[end], mass, volume});
+      }
     }
   }
   for (const auto& [node, mass] : lumped)
     if (mass > 0.0)
       model.masses.push_back(
           {draft.name + ".n" + std::to_string(deck.mesh.node_ids[static_cast<std::size_t>(node)]), node, mass});
-  deck.notes.add(deck.problems.location(block.keyword.where), "trusses",
-                 "they are replaced by springs along their axes and masses at their nodes");
+  deck.notes.add(
+      deck.problems.location(block.keyword.where), "trusses",
+      "springs along their axes and masses at their nodes take their place, which is exact for small motions",
+      DeckNoteKind::unused, draft.elements.size());
 }
 
 }  // namespace kalfem::abaqus

@@ -28,10 +28,10 @@ std::optional<Index> single_node(PlacedDeck& deck, const std::string& text, int 
 }
 
 /// Lines of first and last direction; without lines all.
-Directions read_tied(PlacedDeck& deck, const Block& block, std::size_t first_field) {
+Directions read_tied(PlacedDeck& deck, std::span<const DataLine> lines, std::size_t first_field) {
   Directions tied{};
   bool any = false;
-  for (const auto& line : block.lines) {
+  for (const auto& line : lines) {
     if (line.field(first_field).empty()) continue;
     const auto first = to_integer(line.field(first_field));
     const auto last = line.field(first_field + 1).empty() ? first : to_integer(line.field(first_field + 1));
@@ -81,14 +81,54 @@ void couple(PlacedDeck& deck, const std::string& name, Index master, const std::
 
 // The reference node takes the weighted mean motion of the coupled nodes (RBE3). Only their displacements count;
 // nodes without weight take no part.
-void distribute(const std::string& name, Index reference, const Surface& surface, const Where& where,
-                Kinematics& motions) {
+void distribute(const std::string& name, Index reference, const Surface& surface, const Directions& tied,
+                const Where& where, Kinematics& motions) {
   WeightedLink link;
   link.name = name;
   link.follower = reference;
+  link.tied = tied;
   for (std::size_t i = 0; i < surface.nodes.size(); ++i)
     if (surface.weights[i] > 0.0) link.shares.push_back({surface.nodes[i], surface.weights[i], displacements});
   motions.add_weighted_link(std::move(link), where);
+}
+
+/// CalculiX's *DISTRIBUTING COUPLING: u = sum w_i u_i / sum w_i, which shares forces and no moments.
+void distribute_forces(const std::string& name, Index reference, const Surface& surface, Kinematics& motions) {
+  double total = 0.0;
+  for (const double weight : surface.weights) total += weight;
+  if (!(total > 0.0)) return;
+  for (int d = 0; d < 3; ++d) {
+    DofSum terms = {{{reference, d}, -1.0}};
+    for (std::size_t i = 0; i < surface.nodes.size(); ++i)
+      if (surface.weights[i] != 0.0 && surface.nodes[i] != reference)
+        terms.push_back({{surface.nodes[i], d}, surface.weights[i] / total});
+    motions.add_equation(name, std::move(terms), NodalDof{reference, d});
+  }
+}
+
+// *DISTRIBUTING: displacements are always shared, rotations that its lines name, or all without lines. In CalculiX the
+// loads of the reference node are along the axes of the ORIENTATION.
+void read_distributing(PlacedDeck& deck, const PlacedBlock& at, const Block& option, const std::string& name,
+                       Index reference, const Surface& surface, Kinematics& motions) {
+  const Keyword& keyword = at.block->keyword;
+  const std::string weighting = option.keyword.word("WEIGHTINGMETHOD");
+  if (!weighting.empty() && weighting != "UNIFORM")
+    deck.problems.add(option.keyword.where, "*DISTRIBUTING has WEIGHTING METHOD=" + to_string(weighting),
+                      "weights that fall off with the distance are not read", "use UNIFORM");
+  if (const auto kind = option.keyword.word("COUPLING"); !kind.empty() && kind != "CONTINUUM")
+    deck.problems.add(option.keyword.where, "*DISTRIBUTING has COUPLING=" + to_string(kind),
+                      "rotations of the coupled nodes take no part here", "use CONTINUUM");
+  Directions tied = read_tied(deck, option.lines, 0);
+  for (std::size_t d = 0; d < 3; ++d) tied[d] = true;
+  const std::string orientation = keyword.get("ORIENTATION");
+  if (!orientation.empty() && !deck.of_abaqus()) {
+    deck.load_axes[reference] =
+        orientation_axes(deck, orientation, at.place, keyword.where).at(deck.mesh.nodes.col(reference));
+    deck.notes.add(deck.problems.location(keyword.where), "*COUPLING, ORIENTATION with *DISTRIBUTING",
+                   "as in CalculiX, loads of the reference node are along these axes; Abaqus takes global ones",
+                   DeckNoteKind::doubtful);
+  }
+  distribute(name, reference, surface, tied, keyword.where, motions);
 }
 
 // *COUPLING names a surface and a reference node; the option behind it decides how they move. Kinematic: the nodes
@@ -113,9 +153,10 @@ void read_coupling(PlacedDeck& deck, const PlacedBlock& at, Kinematics& motions)
       }
   }
   if (const Block* kinematic = at.block->option("KINEMATIC"))
-    couple(deck, name, *reference, used.nodes, read_tied(deck, *kinematic, 0), keyword.get("ORIENTATION"), at, motions);
-  else if (at.block->option("DISTRIBUTING"))
-    distribute(name, *reference, used, keyword.where, motions);
+    couple(deck, name, *reference, used.nodes, read_tied(deck, kinematic->lines, 0), keyword.get("ORIENTATION"), at,
+           motions);
+  else if (const Block* distributing = at.block->option("DISTRIBUTING"))
+    read_distributing(deck, at, *distributing, name, *reference, used, motions);
   else
     deck.problems.add(keyword.where, "*COUPLING '" + to_string(name) + "' has neither *KINEMATIC nor *DISTRIBUTING",
                       "one of these keywords must follow it", "add it");
@@ -134,7 +175,7 @@ void read_couplings(PlacedDeck& deck, Kinematics& motions) {
     const std::string name = deck.place(at.place).full_name("coupling." + std::to_string(keyword.where.line));
     for (const auto& line : at.block->lines)
       couple(deck, name, *reference, deck.node_list({line.field(0), line.where}, at.place),
-             read_tied(deck, {keyword, {line}}, 1), keyword.get("ORIENTATION"), at, motions);
+             read_tied(deck, {&line, 1}, 1), keyword.get("ORIENTATION"), at, motions);
   }
   std::vector<Index> nodes;
   for (const auto& at : deck.blocks("DISTRIBUTINGCOUPLING")) {
@@ -153,7 +194,15 @@ void read_couplings(PlacedDeck& deck, Kinematics& motions) {
         surface.nodes.push_back(node);
         surface.weights.push_back(number_or(line, 1, 1.0, "a weight", deck.problems));
       }
-    distribute(deck.spelled_set(keyword.get("ELSET"), at.place, false), nodes.front(), surface, keyword.where, motions);
+    const std::string name = deck.spelled_set(keyword.get("ELSET"), at.place, false);
+    deck.notes.add(deck.problems.location(keyword.where), "*DISTRIBUTING COUPLING",
+                   deck.of_abaqus() ? "read as in Abaqus, with moments, because the deck has Abaqus keywords"
+                                    : "read as in CalculiX: the reference node shares its forces without moments",
+                   DeckNoteKind::doubtful);
+    if (deck.of_abaqus())
+      distribute(name, nodes.front(), surface, all_directions, keyword.where, motions);
+    else
+      distribute_forces(name, nodes.front(), surface, motions);
   }
 }
 
@@ -177,7 +226,7 @@ void read_rigid_bodies(PlacedDeck& deck, Kinematics& motions) {
           tied.insert(tied.end(), of_element.begin(), of_element.end());
     if (keyword.has("ANALYTICALSURFACE"))
       deck.notes.add(deck.problems.location(keyword.where), "analytical surfaces of rigid bodies",
-                     "they have no mass and no stiffness");
+                     "they have no mass and no stiffness", DeckNoteKind::unused);
     std::ranges::sort(tied);
     tied.erase(std::unique(tied.begin(), tied.end()), tied.end());
     std::erase_if(pinned, [&](Index node) { return std::ranges::binary_search(tied, node); });
@@ -195,7 +244,7 @@ void read_rigid_bodies(PlacedDeck& deck, Kinematics& motions) {
     if (!reference) continue;
     if (keyword.word("POSITION") == "CENTEROFMASS")
       deck.notes.add(deck.problems.location(keyword.where), "*RIGID BODY, POSITION=CENTER OF MASS",
-                     "the reference node is not moved to the centre of mass");
+                     "the reference node is not moved to the centre of mass", DeckNoteKind::changed);
     const std::string name = deck.place(at.place).full_name("rigid." + std::to_string(keyword.where.line));
     motions.add_link(name, *reference, tied, all_directions);
     if (!pinned.empty()) motions.add_link(name + ".pinned", *reference, pinned, displacements);

@@ -73,14 +73,23 @@ std::string_view unquoted(std::string_view value) {
 
 }  // namespace
 
-bool Keyword::has(std::string_view parameter) const {
-  return std::ranges::any_of(parameters, [&](const auto& entry) { return entry.first == parameter; });
+namespace {
+
+/// The first parameter of that name, which counts as asked for; nullptr where there is none.
+const Keyword::Parameter* asked_parameter(const Keyword& keyword, std::string_view name) {
+  const auto found = std::ranges::find(keyword.parameters, name, &Keyword::Parameter::name);
+  if (found == keyword.parameters.end()) return nullptr;
+  found->asked = true;
+  return &*found;
 }
 
+}  // namespace
+
+bool Keyword::has(std::string_view parameter) const { return asked_parameter(*this, parameter) != nullptr; }
+
 std::string Keyword::get(std::string_view parameter) const {
-  for (const auto& [known, value] : parameters)
-    if (known == parameter) return value;
-  return {};
+  const auto* found = asked_parameter(*this, parameter);
+  return found ? found->value : std::string();
 }
 
 std::string Keyword::word(std::string_view parameter) const { return joined_capitals(get(parameter)); }
@@ -101,7 +110,7 @@ Keyword parse_keyword(std::string_view line, const Where& where) {
     if (parameter.empty()) continue;
     const auto value =
         equals == std::string_view::npos ? std::string_view{} : unquoted(trimmed_field(part.substr(equals + 1)));
-    keyword.parameters.emplace_back(parameter, value);
+    keyword.parameters.push_back({parameter, std::string(value)});
   }
   return keyword;
 }
@@ -227,26 +236,36 @@ bool DeckLines::next_data_or_blank(std::string_view& line) {
   return true;
 }
 
-std::string DeckLines::load(const std::string& name, const Where& where) {
-  const std::string path = normal_path(problems_.file(where.file), name);
+// Names of nested files are seen from the file that names them; decks that were written for other programs name them
+// from the folder of the first file, which is tried next.
+DeckLines::Loaded DeckLines::find(const std::string& name, const Where& where) {
+  const std::string beside_file = normal_path(problems_.file(where.file), name);
+  const std::string beside_deck = normal_path(problems_.file(0), name);
   try {
-    return loader_(path);
+    return {beside_file, loader_(beside_file)};
   } catch (const InvalidInput& error) {
-    problems_.fail(where, "the file '" + to_string(name) + "' cannot be read", error.issues().front().why,
-                   "place it relative to the deck, as '" + path + "', or correct the name");
+    if (beside_deck != beside_file) try {
+        return {beside_deck, loader_(beside_deck)};
+      } catch (const InvalidInput&) {
+        // The first place is the one to name.
+      }
+    const std::string also = beside_deck == beside_file ? std::string() : ", or '" + beside_deck + "'";
+    problems_.fail(where, "the included file " + to_string(name) + " cannot be read", error.issues().front().why,
+                   "place it relative to the deck, as '" + beside_file + "'" + also + ", or correct the name");
   }
 }
 
+std::string DeckLines::load(const std::string& name, const Where& where) { return find(name, where).content; }
+
 // A file that is open already would include itself for ever; the depth and the number of files are limited too.
 void DeckLines::insert(const std::string& name, const Where& where) {
-  const std::string path = normal_path(problems_.file(where.file), name);
-  if (std::ranges::any_of(files_, [&](const auto& file) { return file->path == path; }))
-    problems_.fail(where, "'" + to_string(name) + "' includes itself", "files must not include one another in a circle",
-                   "remove one of the *INCLUDE lines");
   if (files_.size() >= deepest_inclusion)
     problems_.fail(where, "files are included more than " + std::to_string(deepest_inclusion) + " deep", "",
                    "include them from one file");
-  std::string content = load(name, where);
+  auto [path, content] = find(name, where);
+  if (std::ranges::any_of(files_, [&](const auto& file) { return file->path == path; }))
+    problems_.fail(where, "'" + to_string(name) + "' includes itself", "files must not include one another in a circle",
+                   "remove one of the *INCLUDE lines");
   const int index = problems_.add_file(path);
   if (index > most_files) problems_.fail(where, "more than " + std::to_string(most_files) + " files are included");
   files_.push_back(std::make_unique<File>(File{path, std::move(content), 0, index, 0}));

@@ -40,9 +40,13 @@ private:
 
 /// A keyword line: "*SHELL SECTION, ELSET=skin, MATERIAL=al".
 struct Keyword {
-  std::string name;                                             ///< capitals without blanks: SHELLSECTION
-  std::string title;                                            ///< for messages: "*SHELL SECTION"
-  std::vector<std::pair<std::string, std::string>> parameters;  ///< names like the keyword's; values as they stand
+  struct Parameter {
+    std::string name, value;     ///< the name like the keyword's; the value as it stands
+    mutable bool asked = false;  ///< the reader looked at it, see settle_ledger()
+  };
+  std::string name;   ///< capitals without blanks: SHELLSECTION
+  std::string title;  ///< for messages: "*SHELL SECTION"
+  std::vector<Parameter> parameters;
   Where where;
 
   [[nodiscard]] bool has(std::string_view parameter) const;
@@ -90,6 +94,10 @@ private:
   };
   enum class Kind { data, blank, keyword, end };
 
+  struct Loaded {
+    std::string path, content;
+  };
+  Loaded find(const std::string& name, const Where& where);
   Kind peek();
   bool read_line();
   std::string joined_keyword();

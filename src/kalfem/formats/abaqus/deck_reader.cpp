@@ -15,15 +15,19 @@ bool is_of_abaqus(const Keyword& keyword) {
   return names.contains(keyword.name) || (keyword.name == "OUTPUT" && (keyword.has("FIELD") || keyword.has("HISTORY")));
 }
 
+/// Keywords that end with their class: only a note is left of them.
+bool is_passed_over(KeywordUse use) {
+  return use == KeywordUse::silent || use == KeywordUse::noted || use == KeywordUse::doubtful ||
+         use == KeywordUse::changed || use == KeywordUse::lacking;
+}
+
 /// Follows the structure of a deck: parts, instances, materials and steps, and hands out the data.
 class DeckReader {
 public:
   DeckReader(DeckLines& lines, bool load_cases, DeckNotes& notes, Problems& problems)
-      : lines_(lines),
-        load_cases_(load_cases),
-        notes_(notes),
-        problems_(problems),
-        mesh_(deck_, lines, notes, problems) {}
+      : lines_(lines), notes_(notes), problems_(problems), mesh_(deck_, lines, notes, problems) {
+    deck_.load_cases = load_cases;
+  }
 
   RawDeck read() {
     Keyword keyword;
@@ -45,7 +49,9 @@ private:
   bool read_mesh(const Keyword& keyword);
   void read_other(const Keyword& keyword);
   void read_in_step(const Keyword& keyword);
+  void read_procedure(const Keyword& keyword);
   void begin_step(const Keyword& keyword);
+  void begin_assembly(const Keyword& keyword);
   void begin_part(const Keyword& keyword);
   void begin_instance(const Keyword& keyword);
   void begin_material(const Keyword& keyword);
@@ -60,7 +66,6 @@ private:
   }
 
   DeckLines& lines_;
-  bool load_cases_;
   DeckNotes& notes_;
   Problems& problems_;
   RawDeck deck_;
@@ -82,11 +87,13 @@ void DeckReader::warn_of_leading_data() {
 
 // Keywords that open or close a scope. *PART opens a scope of its own, *INSTANCE one that can hold further nodes and
 // sets, *STEP starts the history. All closing keywords lead back to the deck's root and end the axes of *SYSTEM.
-bool DeckReader::read_structure(const Keyword& keyword) {
-  const std::string& name = keyword.name;
+bool DeckReader::read_structure(const Keyword& given) {
+  const std::string name = given.name;
+  const bool is_named = name == "PART" || name == "INSTANCE" || name == "ASSEMBLY" || name == "MATERIAL";
+  const Keyword& keyword = is_named ? deck_.keywords.emplace_back(given) : given;
   if (name == "PART") return begin_part(keyword), true;
   if (name == "INSTANCE") return begin_instance(keyword), true;
-  if (name == "ASSEMBLY") return in_assembly_ = true, scope_start_ = keyword.where, true;
+  if (name == "ASSEMBLY") return begin_assembly(keyword), true;
   if (name == "STEP") return begin_step(keyword), true;
   if (name == "MATERIAL") return begin_material(keyword), true;
   if (name == "ENDPART") {
@@ -110,6 +117,12 @@ void DeckReader::end(bool open, const Keyword& keyword) {
   if (!open)
     problems_.add(keyword.where, keyword.title + " ends a block that was not started", "",
                   "remove it or start the block");
+}
+
+void DeckReader::begin_assembly(const Keyword& keyword) {
+  static_cast<void>(keyword.has("NAME"));  // nothing refers to it
+  in_assembly_ = true;
+  scope_start_ = keyword.where;
 }
 
 void DeckReader::begin_part(const Keyword& keyword) {
@@ -171,25 +184,24 @@ void DeckReader::begin_material(const Keyword& keyword) {
 void DeckReader::begin_step(const Keyword& keyword) {
   ++steps_;
   step_open_ = true;
-  deck_.steps.push_back({.number = steps_, .is_perturbation = keyword.has("PERTURBATION")});
+  deck_.steps.push_back({.number = steps_, .keyword = keyword});
   scope_start_ = keyword.where;
-  if (keyword.has("NLGEOM") && keyword.word("NLGEOM") != "NO")
-    notes_.add(problems_.location(keyword.where), "*STEP, NLGEOM",
-               "large displacements and the stiffness due to preload are ignored");
 }
 
-bool DeckReader::read_mesh(const Keyword& keyword) {
+bool DeckReader::read_mesh(const Keyword& given) {
   Scope& scope = in_instance_ ? deck_.instances.back().own : *scope_;
+  const bool is_mesh = given.name == "NODE" || given.name == "ELEMENT" || given.name == "NSET" ||
+                       given.name == "ELSET" || given.name == "SYSTEM";
+  if (!is_mesh) return false;
+  const Keyword& keyword = deck_.keywords.emplace_back(given);
   if (keyword.name == "NODE")
     mesh_.read_nodes(scope, keyword);
   else if (keyword.name == "ELEMENT")
     mesh_.read_elements(scope, keyword);
   else if (keyword.name == "NSET" || keyword.name == "ELSET")
     mesh_.read_set(scope, keyword, keyword.name == "NSET");
-  else if (keyword.name == "SYSTEM")
-    mesh_.read_system();
   else
-    return false;
+    mesh_.read_system();
   return true;
 }
 
@@ -213,9 +225,16 @@ Block DeckReader::read_block(const Keyword& keyword) {
 // without which the model would be wrong are problems.
 void DeckReader::read_other(const Keyword& keyword) {
   auto [use, consequence] = classify(keyword.name);
-  if (keyword.name == "INITIALCONDITIONS" && keyword.word("TYPE").starts_with("TEMP")) use = KeywordUse::stored;
+  if (keyword.name == "INITIALCONDITIONS") {
+    if (keyword.word("TYPE").starts_with("TEMP")) use = KeywordUse::stored;
+    if (keyword.word("TYPE") == "STRESS") {
+      deck_.initial_stress = keyword.where;
+      return note(keyword, "initial stresses, which may stiffen the model, are not read", DeckNoteKind::doubtful);
+    }
+  }
   Scope& scope = in_instance_ ? deck_.instances.back().own : *scope_;
   if (keyword.name == "MATRIXASSEMBLE") return read_matrix(keyword);
+  if (is_passed_over(use)) deck_.passed_over.push_back({keyword.title, keyword.where, use == KeywordUse::lacking});
   switch (use) {
     case KeywordUse::stored: {
       material_ = nullptr;
@@ -236,10 +255,19 @@ void DeckReader::read_other(const Keyword& keyword) {
     case KeywordUse::silent:
       break;
     case KeywordUse::noted:
+      if (keyword.name == "EXPANSION") deck_.expands = true;
       note(keyword, consequence);
       break;
     case KeywordUse::doubtful:
       note(keyword, consequence, DeckNoteKind::doubtful);
+      break;
+    case KeywordUse::changed:
+      note(keyword, consequence, DeckNoteKind::changed);
+      break;
+    case KeywordUse::procedure:
+    case KeywordUse::load:
+      problems_.add(keyword.where, keyword.title + " stands outside of a step", "it belongs to one",
+                    "put *STEP before it");
       break;
     case KeywordUse::lacking:
       note(keyword, consequence, DeckNoteKind::missing);
@@ -259,7 +287,8 @@ void DeckReader::read_material_option(const Keyword& keyword) {
     material_->blocks.push_back(read_block(keyword));
 }
 
-void DeckReader::read_matrix(const Keyword& keyword) {
+void DeckReader::read_matrix(const Keyword& given) {
+  const Keyword& keyword = deck_.keywords.emplace_back(given);
   RawDeck::Matrix matrix{keyword.get("NAME"), keyword.where, {}, {}};
   if (keyword.get("STIFFNESSFILE").empty() && keyword.get("MASSFILE").empty())
     problems_.fail(keyword.where, "*MATRIX ASSEMBLE names no file", "", "give STIFFNESSFILE= and MASSFILE=");
@@ -269,34 +298,55 @@ void DeckReader::read_matrix(const Keyword& keyword) {
   deck_.matrices.push_back(std::move(matrix));
 }
 
-// Boundary conditions of the first step are marked by INSTEP, as OP=NEW has an effect only there.
-// Other keywords leave a note only if their class asks for one: most of a step is procedure, loads and output.
-/// Of the steps the boundary conditions of the first one, and sets, are read.
+// A step is kept as its procedure and what it holds and loads; SupportHistory, MaterialTemperature and LoadReader give
+// these their meaning. A keyword that would change the model from here on is a problem: one model serves all steps.
 void DeckReader::read_in_step(const Keyword& keyword) {
+  auto& step = deck_.steps.back();
+  const auto [use, consequence] = classify(keyword.name);
+  if (is_passed_over(use)) deck_.passed_over.push_back({keyword.title, keyword.where, use == KeywordUse::lacking});
   if (keyword.name == "ENDSTEP") {
     step_open_ = false;
   } else if (keyword.name == "STEP") {
     problems_.add(keyword.where, "*STEP stands inside another step", "the previous one is not closed",
                   "end it by *END STEP");
-  } else if (keyword.name == "STATIC") {
-    deck_.steps.back().is_static = true;
-  } else if (load_cases_ && (keyword.name == "CLOAD" || keyword.name == "DLOAD" || keyword.name == "DSLOAD")) {
-    deck_.steps.back().blocks.push_back(read_block(keyword));
-  } else if (keyword.name == "BOUNDARY") {
-    if (steps_ > 1 && !load_cases_)
-      return note(keyword, "boundary conditions of the second and later steps are ignored");
-    Block block = read_block(keyword);
-    deck_.steps.back().blocks.push_back(block);
-    if (steps_ > 1) return;
-    block.keyword.parameters.emplace_back("INSTEP", "");
-    deck_.root.blocks.push_back(std::move(block));
   } else if (keyword.name == "NSET" || keyword.name == "ELSET") {
-    mesh_.read_set(deck_.root, keyword, keyword.name == "NSET");
+    mesh_.read_set(deck_.root, deck_.keywords.emplace_back(keyword), keyword.name == "NSET");
+  } else if (use == KeywordUse::procedure) {
+    read_procedure(keyword);
+  } else if (keyword.name == "BOUNDARY" || use == KeywordUse::load) {
+    step.blocks.push_back(read_block(keyword));
+  } else if (use == KeywordUse::silent || keyword.name == "AMPLITUDE") {
+    if (keyword.name == "AMPLITUDE") deck_.root.blocks.push_back(read_block(keyword));
+  } else if (use == KeywordUse::noted) {
+    note(keyword, consequence);
+  } else if (use == KeywordUse::doubtful) {
+    note(keyword, consequence, DeckNoteKind::doubtful);
+  } else if (use == KeywordUse::changed) {
+    note(keyword, consequence, DeckNoteKind::changed);
+  } else if (use == KeywordUse::lacking) {
+    note(keyword, consequence, DeckNoteKind::missing);
   } else {
-    const auto [use, consequence] = classify(keyword.name);
-    if (use == KeywordUse::noted) note(keyword, consequence);
-    if (use == KeywordUse::doubtful) note(keyword, consequence, DeckNoteKind::doubtful);
+    problems_.add(keyword.where, keyword.title + " stands in step " + std::to_string(steps_),
+                  "one model serves all steps, and this keyword would change it from here on",
+                  "write what it means into the model, before the first step");
   }
+}
+
+// The first line of *STATIC: the first increment and the time of the step. *DYNAMIC, EXPLICIT of CalculiX scales masses
+// up to the time increment that its third field states.
+void DeckReader::read_procedure(const Keyword& keyword) {
+  auto& step = deck_.steps.back();
+  if (!step.procedure.empty()) return;
+  step.procedure = keyword.name;
+  deck_.passed_over.push_back({keyword.title, keyword.where});
+  const Block block = read_block(keyword);
+  if (step.is_static())
+    step.period = number_or(line_of(block, 0), 1, 1.0, "the time of the step", problems_);
+  else if (keyword.name != "FREQUENCY")
+    note(keyword, "steps of this kind are not run; kalfem finds natural modes and solves static steps");
+  if (keyword.name == "DYNAMIC" && keyword.has("EXPLICIT") && !line_of(block, 0).field(2).empty())
+    notes_.add(problems_.location(keyword.where), "*DYNAMIC, EXPLICIT with a least time increment",
+               "masses are those of the densities, not scaled up for the increment", DeckNoteKind::changed);
 }
 
 /// A data line without a line end is the last of a file that may be cut off inside a number.

@@ -27,6 +27,7 @@ public:
   void read_set(Scope& scope, const Keyword& keyword, bool of_nodes);
 
 private:
+  void add_extra(const char* card, const char* name, const char* consequence);
   bool read_node(RawNodes& nodes, std::string_view line, const std::string& axes);
   int type_of(const Keyword& keyword);
   void read_element(Scope& scope, std::string_view line, int type);
@@ -44,11 +45,14 @@ private:
 /// What the reader does with a keyword that has no function of its own in it.
 enum class KeywordUse {
   stored,           ///< kept with its data lines, used when the model is put together
+  procedure,        ///< what a step computes
+  load,             ///< a load of a step: kept where load cases are wanted
   option,           ///< belongs to the stored keyword before it
   material_option,  ///< belongs to the material before it
   silent,           ///< output and comments: nothing is lost
   noted,            ///< no part of the result, for a note
   doubtful,         ///< may change the model, for a note that warns
+  changed,          ///< changes the model, for a note that warns
   lacking,          ///< a connection, or not known: the model lacks it, which the user may accept
   missing           ///< nothing that the model could do without: a problem
 };

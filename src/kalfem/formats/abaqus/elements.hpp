@@ -29,6 +29,9 @@ struct BeamProfile {
 std::optional<BeamProfile> beam_profile(const std::string& shape, const std::vector<double>& data,
                                         double poissons_ratio, const Where& where, Problems& problems);
 
+/// How many numbers the data line of SECTION=shape has; 0 for a shape that is not read.
+std::size_t profile_numbers(const std::string& shape);
+
 /// As a section with local y against axis 2 and local z along axis 1, so that `up` of a placement is axis 1.
 BeamSection section_of(const BeamProfile& profile);
 
@@ -52,6 +55,8 @@ public:
   [[nodiscard]] std::map<std::string, IsotropicMaterial> used() const;
   /// Whether one of them depends on temperature.
   [[nodiscard]] bool depend_on_temperature() const { return temperature_.is_used(); }
+  /// At which they are taken, for what else depends on temperature.
+  [[nodiscard]] MaterialTemperature& temperature() { return temperature_; }
 
 private:
   void read(const RawDeck::Material& raw, Elastic& material);
@@ -96,7 +101,8 @@ Eigen::Vector3d centre_of(const Mesh& mesh, Index cell);
 Eigen::Vector3d normal_of(const Mesh& mesh, Index cell);
 
 /// SPRING1, SPRING2, SPRINGA and DASHPOT1, DASHPOT2, DASHPOTA with their *SPRING and *DASHPOT.
-void add_springs(PlacedDeck& deck, FiniteElementModel& model);
+/// Values by temperature are taken at that of the materials.
+void add_springs(PlacedDeck& deck, MaterialTemperature& temperature, FiniteElementModel& model);
 /// MASS and ROTARYI with their *MASS and *ROTARY INERTIA.
 void add_masses(PlacedDeck& deck, FiniteElementModel& model);
 /// *NONSTRUCTURAL MASS, as masses at nodes. The regions must be there.

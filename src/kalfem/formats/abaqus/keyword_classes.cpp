@@ -42,7 +42,8 @@ void enter_used(Table& table) {
          "NONSTRUCTURALMASS",
          "NODALTHICKNESS",
          "MATRIXASSEMBLE",
-         "RELEASE"});
+         "RELEASE",
+         "AMPLITUDE"});
   enter(table, KeywordUse::option, "",
         {"KINEMATIC", "DISTRIBUTING", "TRANSVERSESHEARSTIFFNESS", "CENTROID", "SHEARCENTER", "BEAMSECTIONOFFSET"});
   enter(table, KeywordUse::material_option, "", {"ELASTIC", "DENSITY"});
@@ -82,7 +83,6 @@ void enter_silent(Table& table) {
          "PRINT",
          "DIAGNOSTICS",
          "TIMEPOINTS",
-         "AMPLITUDE",
          "PHYSICALCONSTANTS",
          "VALUESATINFINITY",
          "ENDASSEMBLY",
@@ -106,7 +106,6 @@ void enter_silent(Table& table) {
          "CONTACTCONTROLS",
          "CONTACTINITIALIZATIONDATA",
          "CONTACTINITIALIZATIONASSIGNMENT",
-         "ENDLOADCASE",
          "SECTIONPOINTS",
          "RIGIDSURFACE",
          "DEPVAR",
@@ -133,15 +132,56 @@ void enter_silent(Table& table) {
          "REFINEMESH"});
 }
 
+void enter_steps(Table& table) {
+  enter(table, KeywordUse::procedure, "",
+        {"STATIC",
+         "FREQUENCY",
+         "BUCKLE",
+         "COMPLEXFREQUENCY",
+         "DYNAMIC",
+         "MODALDYNAMIC",
+         "STEADYSTATEDYNAMICS",
+         "RANDOMRESPONSE",
+         "RESPONSESPECTRUM",
+         "HEATTRANSFER",
+         "COUPLEDTEMPERATURE-DISPLACEMENT",
+         "UNCOUPLEDTEMPERATURE-DISPLACEMENT",
+         "COUPLEDTHERMAL-ELECTRICAL",
+         "DYNAMICTEMPERATURE-DISPLACEMENT",
+         "VISCO",
+         "GREEN",
+         "ELECTROMAGNETICS",
+         "SENSITIVITY",
+         "NOANALYSIS",
+         "SUBSTRUCTUREGENERATE",
+         "GEOSTATIC",
+         "SOILS",
+         "ANNEAL",
+         "MASSDIFFUSION",
+         "DIRECTCYCLIC",
+         "STEADYSTATETRANSPORT",
+         "FEASIBLEDIRECTION",
+         "ROBUSTDESIGN",
+         "MATRIXGENERATE",
+         "HCF"});
+  enter(table, KeywordUse::load,
+        "loads do not change the modes; `static: {deck_cases: true}` reads those of static steps",
+        {"CLOAD", "DLOAD", "DSLOAD", "TEMPERATURE", "INERTIARELIEF", "PRE-TENSIONSECTION", "CONNECTORLOAD",
+         "CONNECTORMOTION", "FOLLOWER", "LOADCASE", "ENDLOADCASE", "FIELD", "SUBSTRUCTURELOADCASE",
+         "INITIALSTRAININCREASE"});
+  enter(table, KeywordUse::noted, "the excitation of a step that is not run is not read",
+        {"BASEMOTION", "PRIMARYBASEMOTION", "PSDDEFINITION", "SPECTRUM", "CORRELATION"});
+  enter(table, KeywordUse::noted, "heat is not modelled",
+        {"DSFLUX", "DFLUX", "CFLUX", "FILM", "SFILM", "CFILM", "RADIATE", "SRADIATE", "VIEWFACTOR", "MASSFLOW",
+         "DECURRENT", "CECURRENT", "DECHARGE", "CECHARGE"});
+  enter(table, KeywordUse::changed, "masses are those of the densities: they are not scaled",
+        {"MASSSCALING", "FIXEDMASSSCALING", "VARIABLEMASSSCALING"});
+  enter(table, KeywordUse::lacking, "the model is read as it is before the first step",
+        {"MODELCHANGE", "CHANGESOLIDSECTION", "CHANGEMATERIAL", "CHANGEPLASTIC", "ADDEDMASS", "CONNECTORFAILURE"});
+}
+
 void enter_notes(Table& table) {
-  enter(table, KeywordUse::noted, "loads do not affect the linear model",
-        {"CLOAD",         "DLOAD",           "DSLOAD",      "DSFLUX",
-         "DFLUX",         "CFLUX",           "TEMPERATURE", "FIELD",
-         "INERTIARELIEF", "BASEMOTION",      "FILM",        "SFILM",
-         "CFILM",         "RADIATE",         "SRADIATE",    "PRETENSIONSECTION",
-         "CONNECTORLOAD", "CONNECTORMOTION", "FOLLOWER",    "PSDDEFINITION",
-         "SPECTRUM",      "CORRELATION",     "LOADCASE",    "DEFORMATIONPLASTICITYLOAD"});
-  enter(table, KeywordUse::noted, "initial stresses, temperatures and velocities do not affect the linear model",
+  enter(table, KeywordUse::noted, "initial stresses, velocities and fields are no part of the linear model",
         {"INITIALCONDITIONS"});
   enter(table, KeywordUse::lacking, "contact does not join the parts", {"CONTACTPAIR", "CONTACT", "GAP"});
   enter(table, KeywordUse::noted, "contact is not read",
@@ -193,8 +233,10 @@ void enter_notes(Table& table) {
          "SUPERELASTIC",
          "CYCLICPLASTIC",
          "TRS"});
-  enter(table, KeywordUse::noted, "damping of materials and steps is ignored; give damping in the case",
-        {"DAMPING", "MODALDAMPING", "GLOBALDAMPING", "COMPOSITEMODALDAMPING", "DAMPINGCONTROLS", "STRUCTURALDAMPING"});
+  enter(table, KeywordUse::noted, "damping of steps is ignored; give damping in the case",
+        {"MODALDAMPING", "COMPOSITEMODALDAMPING", "DAMPINGCONTROLS"});
+  enter(table, KeywordUse::changed, "damping of materials and of the model is ignored; give damping in the case",
+        {"DAMPING", "GLOBALDAMPING", "STRUCTURALDAMPING"});
   enter(table, KeywordUse::noted, "heat, flow and electricity are not modelled",
         {"EXPANSION",
          "CONDUCTIVITY",
@@ -218,11 +260,10 @@ void enter_notes(Table& table) {
          "CAVITYDEFINITION"});
   enter(table, KeywordUse::doubtful, "ignored: directions of shells and beams follow from their nodes and sections",
         {"NORMAL"});
-  enter(table, KeywordUse::doubtful, "the geometry is that of the nodes as given", {"IMPERFECTION"});
-  enter(table, KeywordUse::doubtful, "the whole model is used in its initial state", {"MODELCHANGE"});
+  enter(table, KeywordUse::changed, "the geometry is that of the nodes as given", {"IMPERFECTION"});
   enter(table, KeywordUse::noted, "the selection is ignored: the whole model is read",
-        {"RETAINEDNODALDOFS", "SUBSTRUCTUREGENERATE", "SUBSTRUCTUREMATRIXOUTPUT", "SELECTEIGENMODES",
-         "SELECTCYCLICSYMMETRYMODES", "MATRIXGENERATE", "MATRIXOUTPUT"});
+        {"RETAINEDNODALDOFS", "SUBSTRUCTUREMATRIXOUTPUT", "SELECTEIGENMODES", "SELECTCYCLICSYMMETRYMODES",
+         "MATRIXOUTPUT"});
 }
 
 void enter_missing(Table& table) {
@@ -247,6 +288,7 @@ const Table& table() {
     Table made;
     enter_used(made);
     enter_silent(made);
+    enter_steps(made);
     enter_notes(made);
     enter_missing(made);
     return made;

@@ -65,7 +65,8 @@ void Kinematics::add_weighted_link(WeightedLink link, const Where& where) {
     bool& tied = link.tied[static_cast<std::size_t>(d)];
     if (!tied || mean.determines(d)) continue;
     notes_.add(problems_.location(where), "coupling '" + link.name + "', direction " + std::to_string(d + 1),
-               "its nodes do not determine this motion of the reference node, which is left free");
+               "its nodes do not determine this motion of the reference node, which is left free",
+               DeckNoteKind::changed);
     tied = false;
   }
   weighted_.push_back({std::move(link), std::move(mean)});
@@ -197,13 +198,21 @@ void Kinematics::store_links() {
 }
 
 void Kinematics::store_fixed() {
-  std::map<std::string, std::map<Index, Directions>> by_name;
-  for (const auto& dof : fixed_) by_name[held_.at(dof)][dof.node][static_cast<std::size_t>(dof.direction)] = true;
+  std::map<NodalDof, std::string> named;
+  for (const auto& dof : fixed_) named[dof] = held_.at(dof);
+  model_.fixed = grouped_supports(named);
+}
+
+std::vector<FixedNodes> grouped_supports(const std::map<NodalDof, std::string>& held) {
+  std::vector<FixedNodes> supports;
+  std::map<std::string, std::map<Index, Kinematics::Directions>> by_name;
+  for (const auto& [dof, name] : held) by_name[name][dof.node][static_cast<std::size_t>(dof.direction)] = true;
   for (const auto& [name, nodes] : by_name) {
-    std::map<Directions, std::vector<Index>> groups;
+    std::map<Kinematics::Directions, std::vector<Index>> groups;
     for (const auto& [node, directions] : nodes) groups[directions].push_back(node);
-    for (auto& [directions, members] : groups) model_.fixed.push_back({name, std::move(members), directions});
+    for (auto& [directions, members] : groups) supports.push_back({name, std::move(members), directions});
   }
+  return supports;
 }
 
 }  // namespace kalfem::abaqus

@@ -9,6 +9,8 @@
 
 namespace kalfem::abaqus {
 
+class SupportHistory;
+
 /// Everything that ties motions of nodes: rigid links, weighted links, equations and supports, which decks let act on
 /// the same nodes. Links come first; equations and supports of nodes that follow others are written in the motions of
 /// what leads them, and reduced to equations that do not depend on each other.
@@ -73,12 +75,16 @@ private:
   std::set<NodalDof> moved_;  ///< those of them that load cases move
 };
 
+/// Supports by their names, nodes of the same directions together.
+std::vector<FixedNodes> grouped_supports(const std::map<NodalDof, std::string>& held);
+
 /// A side of an element: corners, then the nodes amid its sides; two corners of an edge.
 struct Face {
   std::vector<Index> nodes;
   std::size_t corners = 0;
   Index element = 0;        ///< position in PlacedDeck::elements
   bool from_below = false;  ///< the side of a shell against its normal
+  std::string label = {};   ///< S1, ..., SPOS, SNEG
 };
 
 /// A surface of *SURFACE with the nodes on it.
@@ -97,8 +103,8 @@ std::optional<Face> find_face(PlacedDeck& deck, Index element, const std::string
 using NodeAxes = std::unordered_map<Index, Eigen::Matrix3d>;
 NodeAxes read_transforms(PlacedDeck& deck);
 
-/// Supports. With `move` those with a value are kept apart for load cases; otherwise a note tells that they hold.
-void read_boundaries(PlacedDeck& deck, const NodeAxes& axes, bool move, Kinematics& motions);
+/// Supports of the model; those that differ between load cases are kept apart for these.
+void read_boundaries(PlacedDeck& deck, const NodeAxes& axes, const SupportHistory& history, Kinematics& motions);
 void read_equations(PlacedDeck& deck, const NodeAxes& axes, Kinematics& motions);
 void read_multi_point_constraints(PlacedDeck& deck, Kinematics& motions);
 /// *RIGID BODY, *COUPLING, *KINEMATIC COUPLING, *DISTRIBUTING COUPLING.

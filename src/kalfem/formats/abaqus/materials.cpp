@@ -101,9 +101,9 @@ void Materials::read_elastic(const Block& block, Elastic& material) {
   const auto values_of = [&](std::size_t least, std::size_t count) {
     return constants_at(temperature_, block, least, count, deck_);
   };
-  if (block.keyword.has("MODULI") && block.keyword.word("MODULI") == "INSTANTANEOUS")
-    deck_.notes.add(deck_.problems.location(block.keyword.where), "*ELASTIC, MODULI=INSTANTANEOUS",
-                    "the instantaneous moduli are used");
+  if (block.keyword.has("MODULI"))
+    deck_.notes.add(deck_.problems.location(block.keyword.where), "*ELASTIC, MODULI", "the moduli are used as given",
+                    DeckNoteKind::unused);
   material.isotropic = false;
   if (type.empty() || type.starts_with("ISO")) {
     material.isotropic = true;

@@ -43,7 +43,11 @@ void MeshReader::read_system() {
   const Where where = lines_.where();
   for (std::string_view line; lines_.next_data(line);) {
     FieldCursor fields(line);
-    for (std::string_view field; count < 9 && fields.next(field);) {
+    for (std::string_view field; fields.next(field);) {
+      if (count == 9) {
+        add_extra("*SYSTEM", "fields behind the third point", "they are ignored");
+        continue;
+      }
       const auto number = field.empty() ? 0.0 : to_number(field);
       if (!number)
         problems_.fail(lines_.where(), "'" + to_string(field) + "' is not a number", "*SYSTEM expects coordinates");
@@ -78,6 +82,16 @@ void MeshReader::read_nodes(Scope& scope, const Keyword& keyword) {
     if (read_node(scope.nodes, line, axes) && piece) piece->labels.push_back(scope.nodes.labels.back());
 }
 
+/// Counts a field that no line of the keyword has.
+void MeshReader::add_extra(const char* card, const char* name, const char* consequence) {
+  for (auto& extra : deck_.extra_fields)
+    if (extra.card == card && extra.field == name) {
+      ++extra.count;
+      return;
+    }
+  deck_.extra_fields.push_back({card, name, consequence, lines_.where(), 1});
+}
+
 bool MeshReader::read_node(RawNodes& nodes, std::string_view line, const std::string& axes) {
   FieldCursor fields(line);
   std::string_view field;
@@ -101,6 +115,8 @@ bool MeshReader::read_node(RawNodes& nodes, std::string_view line, const std::st
     }
     position[axis++] = *number;
   }
+  while (fields.next(field))
+    if (!field.empty()) add_extra("*NODE", "fields behind the coordinates", "directions at nodes are not read");
   if (axes == "C" || axes == "S") position = cartesian(position, axes);
   position = system_ * position;
   nodes.labels.push_back(*label);
@@ -126,7 +142,6 @@ int MeshReader::type_of(const Keyword& keyword) {
     return -1;
   }
   deck_.types.push_back({name, *type});
-  if (!type->remark.empty()) notes_.add(problems_.location(keyword.where), "element type " + name, type->remark);
   return static_cast<int>(deck_.types.size()) - 1;
 }
 
@@ -233,6 +248,7 @@ void MeshReader::read_generated_piece(RawSet::Piece& piece, std::string_view lin
                   "GENERATE expects the first number, the last number and the step, ascending", "correct the line");
   else
     piece.ranges.push_back({*first, *last, *step});
+  if (fields.size() > 3) add_extra("*NSET and *ELSET, GENERATE", "fields behind the step", "they are ignored");
 }
 
 void MeshReader::read_listed_piece(RawSet::Piece& piece, std::string_view line) {

@@ -56,8 +56,8 @@ void MultiPointReader::read(const PlacedBlock& block) {
       first = 1;
     }
     for (std::size_t i = first; i < line.fields.size(); ++i)
-      if (!line.fields[i].empty())
-        entries.back().nodes.push_back(deck_.node_list({line.fields[i], line.where}, block.place));
+      if (const auto& nodes = line.field(i); !nodes.empty())
+        entries.back().nodes.push_back(deck_.node_list({nodes, line.where}, block.place));
   }
   for (const auto& entry : entries) apply(entry);
 }
@@ -82,7 +82,8 @@ void MultiPointReader::apply(const Entry& entry) {
     const std::size_t leaders = type == "LINEAR" ? 2 : 3;
     if (all.size() == leaders + 1) return interpolate(all.front(), {all.begin() + 1, all.end()});
   } else if (type == "DIST") {
-    deck_.notes.add(deck_.problems.location(entry.where), "*MPC of type DIST", "limits of a distance are ignored");
+    deck_.notes.add(deck_.problems.location(entry.where), "*MPC of type DIST", "limits of a distance are ignored",
+                    DeckNoteKind::doubtful);
     return;
   } else {
     deck_.problems.add(entry.where, "*MPC of type " + to_string(type) + " is not read",

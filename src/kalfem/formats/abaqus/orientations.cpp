@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "kalfem/formats/abaqus/ledger_sweep.hpp"
 #include "kalfem/formats/abaqus/placed_deck.hpp"
 #include "kalfem/formats/abaqus/raw_deck.hpp"
 
@@ -134,6 +135,7 @@ LocalAxes orientation_axes(PlacedDeck& deck, const std::string& name, int place,
     result.kind = system.front() == 'C' ? AxesKind::cylindrical : AxesKind::spherical;
     result.origin = a;
     axes = polar_axes(a, b);
+    forget_from(line_of(*at.block, 0), 6);  // two points are all
   } else {
     deck.problems.add(at.block->keyword.where, "SYSTEM=" + to_string(system) + " is not read",
                       "axes can be rectangular, cylindrical or spherical", "correct it");

@@ -123,7 +123,8 @@ void PlacedDeck::number_places() {
       notes.add(problems.location({}),
                 i == 0 ? "nodes and elements outside instances" : "instance '" + places_[i].name + "'",
                 "their numbers are raised by " + std::to_string(places_[i].raised_by) +
-                    ", because numbers of the deck's parts collide");
+                    ", because numbers of the deck's parts collide",
+                DeckNoteKind::unused);
 }
 
 // The number and the largest of the labels are counted first, as the lookup by label chooses its form by them.

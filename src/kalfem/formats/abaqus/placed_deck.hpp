@@ -71,6 +71,13 @@ struct PlacedElement {
   Index cell = -1;   ///< of the mesh
 };
 
+/// What an element that is no cell, or a nonstructural mass on one, weighs at a node.
+struct ElementMass {
+  Index element = 0, node = 0;
+  double mass = 0.0, volume = 0.0;
+  bool by_direction = false;  ///< *MASS, TYPE=ANISOTROPIC
+};
+
 /// A keyword with the place whose names it uses.
 struct PlacedBlock {
   const Block* block = nullptr;
@@ -85,7 +92,10 @@ public:
 
   Mesh& mesh;  ///< gets the nodes and their numbers
   std::vector<PlacedElement> elements;
+  std::vector<ElementMass> element_masses;
   std::vector<std::string> regions_by_nodes;  ///< regions whose thickness is given at their nodes
+  std::map<Index, Eigen::Matrix3d>
+      load_axes;                       ///< of nodes whose loads are not along global axes or those of *TRANSFORM
   std::map<Index, Index> local_nodes;  ///< of nodes that load cases move along axes of *TRANSFORM, see add_local_node()
 
   [[nodiscard]] const Place& place(int index) const { return places_[static_cast<std::size_t>(index)]; }
@@ -99,6 +109,7 @@ public:
   /// Nodes of an element in the order of the deck, false where one does not exist (a problem). A beam's extra node is
   /// the last one.
   bool nodes_of(const PlacedElement& element, std::vector<Index>& nodes);
+  [[nodiscard]] Index position_of(const PlacedElement& element) const { return &element - elements.data(); }
   /// Name for messages and springs: "17", "Wing-1.17".
   [[nodiscard]] std::string element_name(const PlacedElement& element) const;
 
@@ -117,6 +128,10 @@ public:
   /// Spelling of a set as it was defined, with its instance: "Wing-1.Skin".
   [[nodiscard]] std::string spelled_set(const std::string& name, int place, bool of_nodes) const;
 
+  /// Whether *MATRIX ASSEMBLE adds to the model.
+  [[nodiscard]] bool has_matrices() const { return !raw_.matrices.empty(); }
+  /// Whether the deck was written for Abaqus; otherwise it is taken for one of CalculiX.
+  [[nodiscard]] bool of_abaqus() const { return raw_.from_abaqus; }
   /// Copies all sets of nodes but internal ones to the mesh.
   void store_node_sets();
 

@@ -129,7 +129,7 @@ void PlacedDeck::append(Sets sets, const RawSet::Piece& piece, int index, std::v
     else
       notes.add(problems.location(piece.where),
                 std::string(of_nodes ? "nodes" : "elements") + " of sets that are not nodes or elements of the deck",
-                "they are left out of the sets");
+                "they are left out of the sets", DeckNoteKind::unused);
   }
   for (const auto& range : piece.ranges) append_range(sets, range, index, members);
   for (const auto& name : piece.names) {

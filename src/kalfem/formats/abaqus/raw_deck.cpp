@@ -23,12 +23,11 @@ std::optional<double> number_at(const DataLine& line, std::size_t field, const s
   return value;
 }
 
-std::vector<double> all_numbers(const Block& block, std::size_t first_line, const std::string& what,
-                                Problems& problems) {
+std::vector<double> all_numbers(std::span<const DataLine> lines, const std::string& what, Problems& problems) {
   std::vector<double> values;
-  for (std::size_t i = first_line; i < block.lines.size(); ++i)
-    for (std::size_t field = 0; field < block.lines[i].fields.size(); ++field)
-      values.push_back(number_or(block.lines[i], field, 0.0, what, problems));
+  for (const auto& line : lines)
+    for (std::size_t field = 0; field < line.fields.size(); ++field)
+      values.push_back(number_or(line, field, 0.0, what, problems));
   return values;
 }
 
@@ -181,6 +180,7 @@ std::optional<ElementType> solid_type(std::string_view name) {
   if (shape == shapes.end() || !consists_of(suffix, "RHIMTS")) return {};
   ElementType type{Family::solid, shape->second, nodes};
   type.remark = remark_of(suffix);
+  if (suffix.find_first_of("HM") == std::string_view::npos) type.remark_kind = DeckNoteKind::unused;
   const bool reduced = suffix.find('R') != std::string_view::npos;
   const bool incompatible = suffix.find('I') != std::string_view::npos;
   const bool hybrid = suffix.find('H') != std::string_view::npos;
@@ -207,6 +207,7 @@ std::optional<ElementType> shell_type(std::string_view name) {
   if (shape == shapes.end() || !consists_of(suffix, "RSWT5")) return {};
   ElementType type{Family::shell, shape->second.first, shape->second.second};
   type.remark = remark_of(suffix);
+  if (suffix.find_first_of("HM") == std::string_view::npos) type.remark_kind = DeckNoteKind::unused;
   return type;
 }
 
@@ -215,6 +216,7 @@ std::optional<ElementType> membrane_type(std::string_view name) {
   if (type) {
     type->family = Family::membrane;
     type->remark = "it is read as a shell of negligible bending stiffness";
+    type->remark_kind = DeckNoteKind::changed;
   }
   return type;
 }
@@ -261,15 +263,17 @@ const std::map<std::string, ElementType, std::less<>>& other_types() {
       {"R3D3", {Family::rigid, CellShape::triangle3, 3}},
       {"R3D4", {Family::rigid, CellShape::quadrilateral4, 4}},
       {"RB3D2", {Family::rigid, CellShape::line2, 2}},
-      {"SFM3D3", {Family::without_stiffness, CellShape::triangle3, 3, {}, {}, no_stiffness}},
-      {"SFM3D4", {Family::without_stiffness, CellShape::quadrilateral4, 4, {}, {}, no_stiffness}},
-      {"SFM3D4R", {Family::without_stiffness, CellShape::quadrilateral4, 4, {}, {}, no_stiffness}},
-      {"SFM3D6", {Family::without_stiffness, CellShape::triangle6, 6, {}, {}, no_stiffness}},
-      {"SFM3D8", {Family::without_stiffness, CellShape::quadrilateral8, 8, {}, {}, no_stiffness}},
-      {"SFM3D8R", {Family::without_stiffness, CellShape::quadrilateral8, 8, {}, {}, no_stiffness}},
-      {"GAPUNI", {Family::without_stiffness, CellShape::line2, 2, {}, {}, no_stiffness}},
-      {"GAPCYL", {Family::without_stiffness, CellShape::line2, 2, {}, {}, no_stiffness}},
-      {"GAPSPHER", {Family::without_stiffness, CellShape::line2, 2, {}, {}, no_stiffness}}};
+      {"SFM3D3", {Family::without_stiffness, CellShape::triangle3, 3, {}, {}, no_stiffness, DeckNoteKind::unused}},
+      {"SFM3D4", {Family::without_stiffness, CellShape::quadrilateral4, 4, {}, {}, no_stiffness, DeckNoteKind::unused}},
+      {"SFM3D4R",
+       {Family::without_stiffness, CellShape::quadrilateral4, 4, {}, {}, no_stiffness, DeckNoteKind::unused}},
+      {"SFM3D6", {Family::without_stiffness, CellShape::triangle6, 6, {}, {}, no_stiffness, DeckNoteKind::unused}},
+      {"SFM3D8", {Family::without_stiffness, CellShape::quadrilateral8, 8, {}, {}, no_stiffness, DeckNoteKind::unused}},
+      {"SFM3D8R",
+       {Family::without_stiffness, CellShape::quadrilateral8, 8, {}, {}, no_stiffness, DeckNoteKind::unused}},
+      {"GAPUNI", {Family::without_stiffness, CellShape::line2, 2, {}, {}, no_stiffness, DeckNoteKind::unused}},
+      {"GAPCYL", {Family::without_stiffness, CellShape::line2, 2, {}, {}, no_stiffness, DeckNoteKind::unused}},
+      {"GAPSPHER", {Family::without_stiffness, CellShape::line2, 2, {}, {}, no_stiffness, DeckNoteKind::unused}}};
   return types;
 }
 

@@ -1,15 +1,18 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "kalfem/base/text.hpp"
 #include "kalfem/formats/abaqus/deck_lines.hpp"
+#include "kalfem/formats/ledger.hpp"
 #include "kalfem/model/mesh/mesh.hpp"
 #include "kalfem/model/mesh/properties.hpp"
 
@@ -42,6 +45,7 @@ struct ElementType {
   SolidKind kind = SolidKind::standard;  ///< of a solid
   bool shear_rigid = false;              ///< of a beam: Euler-Bernoulli
   std::string remark = {};               ///< what is left out of the element, for a note; may be empty
+  DeckNoteKind remark_kind = DeckNoteKind::changed;
 };
 
 /// The element type by its name, in any case; nothing where it cannot be read.
@@ -60,12 +64,18 @@ struct SetReference {
 struct DataLine {
   Where where;
   std::vector<std::string> fields;
+  mutable std::uint64_t asked = 0;  ///< bit i: the reader looked at field i, the last one stands for all behind it
 
-  /// The field, "" behind the last one.
+  /// The field, "" behind the last one. It counts as asked for, see settle_ledger().
   [[nodiscard]] const std::string& field(std::size_t index) const {
     static const std::string none;
+    asked |= bit(index);
     return index < fields.size() ? fields[index] : none;
   }
+  /// Takes a field back that was looked at and does not count.
+  void forget(std::size_t index) const { asked &= ~bit(index); }
+  [[nodiscard]] bool is_asked(std::size_t index) const { return (asked & bit(index)) != 0; }
+  static std::uint64_t bit(std::size_t index) { return std::uint64_t{1} << std::min<std::size_t>(index, 63); }
 };
 
 /// A keyword with its data lines and the keywords that belong to it.
@@ -151,14 +161,40 @@ struct RawDeck {
     Where where;
     std::string stiffness, mass;  ///< texts of its files
   };
-  /// A step with its loads.
+  /// A step with what it holds and loads.
   struct Step {
     int number = 0;
-    bool is_static = false, is_perturbation = false;
-    std::vector<Block> blocks = {};  ///< CLOAD, DLOAD, DSLOAD, BOUNDARY
+    Keyword keyword = {};            ///< *STEP
+    std::string procedure = {};      ///< "STATIC", "FREQUENCY", ...; empty where none was given
+    double period = 1.0;             ///< of a static step, the time to which amplitudes run
+    std::vector<Block> blocks = {};  ///< BOUNDARY, TEMPERATURE and loads
+
+    [[nodiscard]] bool is_static() const { return procedure == "STATIC"; }
+    [[nodiscard]] bool is_perturbation() const { return keyword.has("PERTURBATION"); }
+    /// Large displacements.
+    [[nodiscard]] bool is_nonlinear() const { return keyword.has("NLGEOM") && keyword.word("NLGEOM") != "NO"; }
+    [[nodiscard]] std::string name() const { return "step" + std::to_string(number); }  ///< of its load case
   };
   Scope root;
-  std::vector<Step> steps;  ///< if load cases are read
+  std::vector<Step> steps;
+  bool load_cases = false;  ///< loads of the steps are wanted
+  bool expands = false;     ///< a material has *EXPANSION
+  std::optional<Where> initial_stress = {};
+  std::vector<Keyword> keywords;  ///< *NODE, *MATERIAL and others whose data lines are not kept
+  /// Fields behind those that a line of *NODE, *ELEMENT or a set has.
+  struct ExtraFields {
+    std::string card, field, consequence;
+    Where where;
+    std::size_t count = 0;
+  };
+  std::vector<ExtraFields> extra_fields;
+  /// A keyword of which nothing is read.
+  struct PassedOver {
+    std::string title;
+    Where where;
+    bool is_lacking = false;  ///< the model would be incomplete without it
+  };
+  std::vector<PassedOver> passed_over;
   std::map<std::string, Scope> parts;
   std::vector<RawInstance> instances;
   std::map<std::string, Material> materials;
@@ -173,9 +209,8 @@ double number_or(const DataLine& line, std::size_t field, double otherwise, cons
                  Problems& problems);
 /// The field as a number; an empty one is a problem too, and nothing is returned.
 std::optional<double> number_at(const DataLine& line, std::size_t field, const std::string& what, Problems& problems);
-/// All fields of some lines from `first` on, as one row; empty ones are 0.
-std::vector<double> all_numbers(const Block& block, std::size_t first_line, const std::string& what,
-                                Problems& problems);
+/// All fields of some lines as one row; empty ones are 0.
+std::vector<double> all_numbers(std::span<const DataLine> lines, const std::string& what, Problems& problems);
 /// The value of a parameter as a number; nothing where it is absent, a problem where it is none.
 std::optional<double> number_parameter(const Keyword& keyword, std::string_view parameter, Problems& problems);
 /// The line of a block, an empty one behind the last.

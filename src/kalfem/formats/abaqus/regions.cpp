@@ -53,7 +53,8 @@ std::vector<PlacedBlock> assign_sections(PlacedDeck& deck) {
       auto& element = deck.elements[static_cast<std::size_t>(index)];
       if (!fits(keyword.name, deck.type_of(element).family)) continue;
       if (element.section >= 0)
-        deck.notes.add(deck.problems.location(keyword.where), "elements with two sections", "the last section is used");
+        deck.notes.add(deck.problems.location(keyword.where), "elements with two sections", "the last section is used",
+                       DeckNoteKind::changed);
       element.section = static_cast<int>(i);
     }
   }
@@ -97,17 +98,31 @@ struct Variant {
 };
 
 /// Abaqus integrates the volume change of C3D8 once for the element, CalculiX does not.
-SolidKind kind_in_dialect(const RawDeck& raw, PlacedDeck& deck, const PlacedElement& element) {
-  const auto& type = deck.type_of(element);
+SolidKind kind_in_dialect(const RawDeck& raw, const ElementType& type) {
   if (type.kind != SolidKind::mean_dilatation) return type.kind;
-  const auto where = deck.problems.location(element.raw->where);
-  if (raw.from_abaqus) {
-    deck.notes.add(where, "element type C3D8",
-                   "read as in Abaqus (one volume change per element), because the deck has Abaqus keywords");
-    return SolidKind::mean_dilatation;
+  return raw.from_abaqus ? SolidKind::mean_dilatation : SolidKind::full;
+}
+
+/// Tells what is left out of elements, and how those are read that differ between Abaqus and CalculiX, with their
+/// number.
+void note_types(const RawDeck& raw, PlacedDeck& deck) {
+  std::vector<std::pair<std::size_t, Where>> count(raw.types.size());
+  for (const auto& element : deck.elements)
+    if (auto& [number, where] = count[static_cast<std::size_t>(element.raw->type)]; number++ == 0)
+      where = element.raw->where;
+  for (std::size_t i = 0; i < count.size(); ++i) {
+    const auto& [name, type] = raw.types[i];
+    const auto tell = [&](const std::string& consequence, DeckNoteKind kind) {
+      if (count[i].first > 0)
+        deck.notes.add(deck.problems.location(count[i].second), "element type " + name, consequence, kind,
+                       count[i].first);
+    };
+    if (!type.remark.empty()) tell(type.remark, type.remark_kind);
+    if (type.family != Family::solid || type.kind != SolidKind::mean_dilatation) continue;
+    tell(raw.from_abaqus ? "read as in Abaqus (one volume change per element), because the deck has Abaqus keywords"
+                         : "read as in CalculiX (fully integrated); C3D8I bends without locking",
+         DeckNoteKind::changed);
   }
-  deck.notes.add(where, "element type C3D8", "read as in CalculiX (fully integrated); C3D8I bends without locking");
-  return SolidKind::full;
 }
 
 }  // namespace
@@ -141,6 +156,7 @@ Eigen::Vector3d normal_of(const Mesh& mesh, Index cell) {
 // all cells are there, each draft gets its property.
 void build_regions(const RawDeck& raw, PlacedDeck& deck, Materials& materials, FiniteElementModel& model) {
   const auto sections = assign_sections(deck);
+  note_types(raw, deck);
   Mesh& mesh = model.mesh;
   std::vector<RegionDraft> drafts;
   std::map<std::pair<int, Variant>, std::size_t> draft_of;
@@ -158,7 +174,7 @@ void build_regions(const RawDeck& raw, PlacedDeck& deck, Materials& materials, F
       continue;
     }
     if (element.section != last_section || element.raw->type != last_type) {
-      const Variant variant{type.family, type.family == Family::solid ? kind_in_dialect(raw, deck, element) : type.kind,
+      const Variant variant{type.family, type.family == Family::solid ? kind_in_dialect(raw, type) : type.kind,
                             type.shear_rigid};
       const auto [place, is_new] = draft_of.try_emplace({element.section, variant}, drafts.size());
       if (is_new) {

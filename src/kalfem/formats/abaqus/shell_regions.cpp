@@ -82,7 +82,8 @@ std::optional<RegionProperty> ShellRegion::homogeneous() {
   const auto t = thickness();
   if (!material || !t) return {};
   const double ratio = offset_ratio();
-  if (material->isotropic) return ShellProperty{material->name, *t, -ratio * *t, added_mass()};
+  if (material->isotropic && !block_.option("TRANSVERSESHEARSTIFFNESS"))
+    return ShellProperty{material->name, *t, -ratio * *t, added_mass()};
   if (!material->sheet) {
     deck_.problems.add(where(),
                        "the shells '" + draft_.name + "' have the anisotropic material '" + material->name + "'",
@@ -179,12 +180,15 @@ std::optional<double> ShellRegion::ply_angle(const DataLine& line) {
 // If no transverse shear stiffness follows, an estimate by the membrane stiffness is used: (D11 + D22) / 6 + D33 / 3.
 /// 21 entries of the symmetric 6 x 6 stiffness, upper triangle by columns.
 std::optional<RegionProperty> ShellRegion::direct_stiffness() {
-  const auto values = all_numbers(block_, 0, "a section stiffness", deck_.problems);
+  const auto values = all_numbers(block_.lines, "a section stiffness", deck_.problems);
   if (values.size() < 21) {
     deck_.problems.add(where(), "*SHELL GENERAL SECTION has " + std::to_string(values.size()) + " stiffnesses",
                        "the upper triangle of the 6 x 6 matrix has 21", "give 21, or MATERIAL= and a thickness");
     return {};
   }
+  if (values.size() > 21)
+    deck_.problems.add(where(), "*SHELL GENERAL SECTION has data behind its 21 stiffnesses",
+                       "forces, factors by temperature and others are not read", "remove them");
   Matrix6 d;
   std::size_t next = 0;
   for (Index column = 0; column < 6; ++column)
@@ -300,10 +304,11 @@ void apply_nodal_thickness(PlacedDeck& deck, FiniteElementModel& model) {
   const auto at_node = thickness_of_nodes(deck);
   for (const auto& region : deck.regions_by_nodes) {
     const bool plain = std::holds_alternative<ShellProperty>(model.properties.at(region));
-    if (plain) split_by_thickness(model, region, at_node);
     deck.notes.add(deck.problems.location({}), "NODAL THICKNESS of '" + region + "'",
                    plain ? "each element takes the mean of its nodes, rounded to steps of 2 %"
-                         : "ignored: the thickness of the section is used");
+                         : "ignored: the thickness of the section is used",
+                   DeckNoteKind::changed, model.mesh.regions.at(region).size());
+    if (plain) split_by_thickness(model, region, at_node);
   }
 }
 

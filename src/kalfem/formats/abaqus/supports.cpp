@@ -4,6 +4,7 @@
 
 #include "kalfem/formats/abaqus/orientations.hpp"
 #include "kalfem/formats/abaqus/raw_deck.hpp"
+#include "kalfem/formats/abaqus/steps.hpp"
 #include "kalfem/model/placement.hpp"
 
 namespace kalfem::abaqus {
@@ -12,56 +13,14 @@ namespace {
 
 using Directions = Kinematics::Directions;
 
-// Named conditions of *BOUNDARY: XSYMM holds u1, ur2 and ur3, XASYMM its complement u2, u3 and ur1, and so on for y
-// and z.
-const std::map<std::string, Directions, std::less<>>& named_supports() {
-  static const std::map<std::string, Directions, std::less<>> supports = {
-      {"ENCASTRE", {true, true, true, true, true, true}},  {"PINNED", {true, true, true, false, false, false}},
-      {"XSYMM", {true, false, false, false, true, true}},  {"YSYMM", {false, true, false, true, false, true}},
-      {"ZSYMM", {false, false, true, true, true, false}},  {"XASYMM", {false, true, true, true, false, false}},
-      {"YASYMM", {true, false, true, false, true, false}}, {"ZASYMM", {true, true, false, false, false, true}}};
-  return supports;
-}
-
-/// One line of *BOUNDARY.
-struct Support {
-  std::string name;
-  std::vector<Index> nodes;
-  Directions directions{};
-  bool moves = false;
-};
-
-std::optional<Directions> read_directions(PlacedDeck& deck, const DataLine& line) {
-  if (const auto named = named_supports().find(upper_case(line.field(1))); named != named_supports().end())
-    return named->second;
-  const auto first = to_integer(line.field(1));
-  const auto last = line.field(2).empty() ? first : to_integer(line.field(2));
-  if (!first || !last || *first < 1 || *last < *first) {
-    deck.problems.add(
-        line.where,
-        "the directions '" + to_string(line.field(1)) + "', '" + to_string(line.field(2)) + "' cannot be read",
-        "*BOUNDARY expects a node or set, then the first and the last direction (1 to 6), or ENCASTRE, "
-        "PINNED, XSYMM ...",
-        "correct the line");
-    return {};
-  }
-  if (*last > 6)
-    deck.notes.add(deck.problems.location(line.where), "*BOUNDARY of directions above 6",
-                   "pressures, temperatures and warping are not modelled");
-  Directions directions{};
-  for (std::int64_t d = *first; d <= std::min<std::int64_t>(6, *last); ++d)
-    directions[static_cast<std::size_t>(d - 1)] = true;
-  return directions;
-}
-
 /// All that holds a node in axes of its own.
 struct TurnedSupport {
   std::string name;
   Directions held{};
-  Directions moved{};  ///< those of them that load cases move
+  Directions varying{};  ///< in load cases
 };
 
-/// A load case moves single directions: they become degrees of freedom of a local node.
+/// A load case moves, holds or frees single directions: they become degrees of freedom of a local node.
 void hold_local_node(PlacedDeck& deck, Index node, const Eigen::Matrix3d& axes, const TurnedSupport& support,
                      Kinematics& motions) {
   const Index local = add_local_node(deck.mesh, node, axes);
@@ -71,7 +30,7 @@ void hold_local_node(PlacedDeck& deck, Index node, const Eigen::Matrix3d& axes, 
   for (int d = 0; d < 6; ++d) {
     if (!support.held[static_cast<std::size_t>(d)]) continue;
     motions.hold(support.name, local, d);
-    if (support.moved[static_cast<std::size_t>(d)]) motions.move({local, d});
+    if (support.varying[static_cast<std::size_t>(d)]) motions.move({local, d});
   }
 }
 
@@ -114,51 +73,27 @@ NodeAxes read_transforms(PlacedDeck& deck) {
   return result;
 }
 
-// Supports are collected over all lines first, since OP=NEW in the step lifts those before it. A node with axes of
-// its own is then held in all its directions at once, so that its equations are formed together.
-void read_boundaries(PlacedDeck& deck, const NodeAxes& axes, bool move, Kinematics& motions) {
-  std::vector<Support> supports;
-  bool lifted = false;
-  for (const auto& at : deck.blocks("BOUNDARY")) {
-    const Keyword& keyword = at.block->keyword;
-    if (keyword.has("INSTEP") && keyword.word("OP") == "NEW" && !lifted) {
-      supports.clear();
-      lifted = true;
+// A node with axes of its own is held in all its directions at once, so that its equations are formed together; what
+// load cases move, hold besides or let go becomes degrees of freedom of a local node.
+void read_boundaries(PlacedDeck& deck, const NodeAxes& axes, const SupportHistory& history, Kinematics& motions) {
+  std::map<Index, TurnedSupport> turned;
+  const auto& varying = history.varying();
+  for (const auto& [dof, hold] : history.of_model()) {
+    if (axes.contains(dof.node)) {
+      auto& support = turned.try_emplace(dof.node, TurnedSupport{hold.name}).first->second;
+      support.held[static_cast<std::size_t>(dof.direction)] = true;
+      continue;
     }
-    if (keyword.has("SUBMODEL"))
-      deck.notes.add(deck.problems.location(keyword.where), "*BOUNDARY, SUBMODEL", "the driven nodes are fixed");
-    for (const auto& line : at.block->lines) {
-      const auto directions = keyword.has("SUBMODEL") && line.fields.size() < 2
-                                  ? std::optional<Directions>(Directions{true, true, true, false, false, false})
-                                  : read_directions(deck, line);
-      if (!directions) continue;
-      const auto value = to_number(line.field(3));
-      const bool has_value = value && *value != 0.0;
-      if (has_value && !move)
-        deck.notes.add(deck.problems.location(line.where), "*BOUNDARY with a value",
-                       "a prescribed motion is read as fixed; `static: {deck_cases: true}` imposes it");
-      const bool by_name = deck.is_node_set(line.field(0), at.place);
-      supports.push_back({by_name ? deck.spelled_set(line.field(0), at.place, true) : "boundary",
-                          deck.node_list({line.field(0), line.where}, at.place), *directions, has_value && move});
-    }
+    motions.hold(hold.name, dof.node, dof.direction);
+    if (varying.contains(dof)) motions.move(dof);
   }
-  std::unordered_map<Index, TurnedSupport> turned;  // held at once, in their own axes
-  for (const auto& support : supports)
-    for (const Index node : support.nodes) {
-      if (axes.contains(node)) {
-        auto& [name, held, moved] = turned.try_emplace(node, TurnedSupport{support.name}).first->second;
-        for (std::size_t d = 0; d < 6; ++d) held[d] = held[d] || support.directions[d];
-        for (std::size_t d = 0; d < 6; ++d) moved[d] = moved[d] || (support.moves && support.directions[d]);
-        continue;
-      }
-      for (int d = 0; d < 6; ++d)
-        if (support.directions[static_cast<std::size_t>(d)]) {
-          motions.hold(support.name, node, d);
-          if (support.moves) motions.move({node, d});
-        }
+  for (const auto& dof : varying)
+    if (axes.contains(dof.node)) {
+      auto& support = turned.try_emplace(dof.node, TurnedSupport{}).first->second;
+      support.varying[static_cast<std::size_t>(dof.direction)] = true;
     }
   for (const auto& [node, support] : turned)
-    if (support.moved == Directions{})
+    if (support.varying == Directions{})
       motions.hold(support.name, node, axes.at(node), support.held);
     else
       hold_local_node(deck, node, axes.at(node), support, motions);

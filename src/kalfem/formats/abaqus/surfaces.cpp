@@ -77,11 +77,11 @@ void SurfaceBuilder::add(const PlacedBlock& at, int depth) {
   const std::string combine = keyword.word("COMBINE"), type = keyword.word("TYPE");
   if (combine == "UNION" && depth < 20) {
     for (const auto& line : at.block->lines)
-      for (const auto& name : line.fields)
-        if (const auto inner = deck_.find_block("SURFACE", name, at.place); inner.block)
+      for (std::size_t i = 0; i < line.fields.size(); ++i)
+        if (const auto inner = deck_.find_block("SURFACE", line.field(i), at.place); inner.block)
           add(inner, depth + 1);
         else
-          deck_.problems.add(line.where, "there is no surface '" + to_string(name) + "'");
+          deck_.problems.add(line.where, "there is no surface '" + to_string(line.field(i)) + "'");
   } else if (!combine.empty()) {
     deck_.problems.add(keyword.where, "*SURFACE, COMBINE=" + to_string(combine) + " is not read", "unions are",
                        "list faces or nodes");
@@ -156,6 +156,7 @@ bool SurfaceBuilder::add_named_face(Index element, const std::vector<Index>& nod
     const auto& faces = solid_faces(corners);
     if (label[0] != 'S' || !number || *number < 1 || *number > static_cast<std::int64_t>(faces.size())) return false;
     add_face(element, nodes, type.shape, faces[static_cast<std::size_t>(*number - 1)]);
+    surface_.faces.back().label = label;
     return true;
   }
   if (corners >= 3) {
@@ -168,6 +169,7 @@ bool SurfaceBuilder::add_named_face(Index element, const std::vector<Index>& nod
       for (std::size_t i = 0; i < corners; ++i) all[i] = i;
       add_face(element, nodes, type.shape, all);
       surface_.faces.back().from_below = label == "SNEG" || label == "S1";
+      surface_.faces.back().label = label;
       return true;
     }
     if (*edge < 1 || *edge > static_cast<std::int64_t>(corners)) return false;
@@ -204,11 +206,12 @@ void SurfaceBuilder::add_free_faces(const std::vector<Index>& elements) {
         if (pass == 1) add_named_face(element, nodes, "SPOS");
         continue;
       }
-      for (const auto& corners : solid_faces(static_cast<std::size_t>(corner_count(type.shape))))
+      const auto& faces = solid_faces(static_cast<std::size_t>(corner_count(type.shape)));
+      for (std::size_t i = 0; i < faces.size(); ++i)
         if (pass == 0)
-          ++uses[key_of(corners)];
-        else if (uses.at(key_of(corners)) == 1)
-          add_face(element, nodes, type.shape, corners);
+          ++uses[key_of(faces[i])];
+        else if (uses.at(key_of(faces[i])) == 1)
+          add_named_face(element, nodes, "S" + std::to_string(i + 1));
     }
 }
 

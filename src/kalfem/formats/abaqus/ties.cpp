@@ -191,7 +191,8 @@ public:
 
 private:
   void tie(const PlacedBlock& at, const DataLine& line);
-  void tie_node(const std::string& name, Index node, const Face& face, const Projection& projection, bool rotations);
+  void tie_node(const std::string& name, Index node, const Face& face, const Projection& projection,
+                const Keyword& keyword);
 
   PlacedDeck& deck_;
   Kinematics& motions_;
@@ -251,7 +252,7 @@ void TieMaker::tie(const PlacedBlock& at, const DataLine& line) {
     }
     ++tied;
     if (std::ranges::find(faces[nearest->first].nodes, node) == faces[nearest->first].nodes.end())
-      tie_node(name, node, faces[nearest->first], nearest->second, !keyword.has("NOROTATION"));
+      tie_node(name, node, faces[nearest->first], nearest->second, keyword);
   }
   if (tied == 0)
     deck_.problems.add(
@@ -261,13 +262,14 @@ void TieMaker::tie(const PlacedBlock& at, const DataLine& line) {
   else if (far > 0)
     deck_.notes.add(deck_.problems.location(line.where), "*TIE '" + name + "'",
                     std::to_string(far) + " of " + std::to_string(far + tied) +
-                        " nodes are farther away than the tolerance and are not tied");
+                        " nodes are farther away than the tolerance and are not tied",
+                    DeckNoteKind::changed);
 }
 
 /// u = sum N_i u_i and the motion by the turning of the face over the gap d: of faces with rotations sum N_i theta_i x
 /// d, of others -(d . n) sum grad N_i (n . u_i), which is exact for rigid motion.
 void TieMaker::tie_node(const std::string& name, Index node, const Face& face, const Projection& projection,
-                        bool rotations) {
+                        const Keyword& keyword) {
   const Eigen::Vector3d gap = deck_.mesh.nodes.col(node) - projection.point;
   const bool masters_turn =
       std::ranges::all_of(face.nodes, [&](Index master) { return turns_[static_cast<std::size_t>(master)]; });
@@ -287,7 +289,7 @@ void TieMaker::tie_node(const std::string& name, Index node, const Face& face, c
     }
     motions_.add_equation(name, std::move(terms), NodalDof{node, d});
   }
-  if (!rotations || !masters_turn || !turns_[static_cast<std::size_t>(node)]) return;
+  if (!masters_turn || !turns_[static_cast<std::size_t>(node)] || keyword.has("NOROTATION")) return;
   for (int d = 3; d < 6; ++d) {
     DofSum terms = {{{node, d}, -1.0}};
     for (std::size_t i = 0; i < face.nodes.size(); ++i)
