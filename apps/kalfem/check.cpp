@@ -109,7 +109,8 @@ void check_parts(const Study& study, const std::optional<RecordCheck>& record, c
   for (std::size_t i = 0; i < study.structure->finite_elements.size(); ++i) {
     const auto& part = *study.structure->finite_elements[i].part;
     const auto& notes = study.element_notes[i].notes;
-    const ModelCheckReport report = model_check_of(part);
+    const bool only_statics = study.statics && study.statics->part->name == part.name;
+    const ModelCheckReport report = model_check_of(part, {.needs_mass = !only_statics});
     const Table places = places_table(part), gauges = gauges_table(part);
     print("Substructure '{}'\n\n{}", part.name, model_check_text(report, notes));
     for (const Table* table : {&places, &gauges})

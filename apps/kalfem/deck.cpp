@@ -13,12 +13,14 @@
 #include "kalfem/formats/deck.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 #include "kalfem/model/checks/model_check.hpp"
+#include "kalfem/model/statics/geometric_stiffness.hpp"
 #include "kalfem/model/unit_system.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"
 #include "kalfem/report/result_set.hpp"
 #include "kalfem/report/sections.hpp"
 #include "kalfem/report/summary_parts.hpp"
 #include "kalfem/report/tables.hpp"
+#include "kalfem/study/finite_element_part.hpp"
 #include "verbs.hpp"
 
 // A deck alone, without a case: check and modes.
@@ -37,11 +39,20 @@ UnitSystem unit_system(const std::vector<std::string>& words) {
 constexpr Eigen::Index modes_in_check = 16;
 
 /// [Hz]; of a model with fewer masses as many as it has.
-Eigen::VectorXd lowest_frequencies(const AssembledModel& assembled, Eigen::Index count) {
-  const auto mass = evaluate(assembled.mass, assembled.parameters);
-  count = std::min(count, (mass.diagonal().array() > 0.0).count());
-  const auto modes = lowest_modes(evaluate(assembled.stiffness, assembled.parameters), mass, {.count = count});
+Eigen::VectorXd lowest_frequencies(const SparseMatrix& stiffness, const SparseMatrix& mass,
+                                   const StiffnessFactor* factor) {
+  const Eigen::Index count = std::min(modes_in_check, (mass.diagonal().array() > 0.0).count());
+  if (count == 0) return {};
+  const auto modes = factor ? lowest_modes(stiffness, mass, *factor, {.count = count})
+                            : lowest_modes(stiffness, mass, {.count = count});
   return modes.values.cwiseMax(0.0).cwiseSqrt() / (2.0 * std::numbers::pi);
+}
+
+/// The sum of a model's only term.
+SparseMatrix taken(std::vector<AffineTerm>& terms) {
+  SparseMatrix sum = std::move(terms.front().matrix);
+  terms.clear();
+  return sum;
 }
 
 Table frequency_table(const Eigen::VectorXd& frequencies) {
@@ -52,39 +63,69 @@ Table frequency_table(const Eigen::VectorXd& frequencies) {
 }
 
 /// The deck's model at full order, as a case would use it. What the deck needs and kalfem does not read is an error.
-FiniteElementPart part_of(const std::string& file, const std::vector<std::string>& units) {
+FiniteElementPart part_of(const std::string& file, const std::vector<std::string>& units,
+                          std::optional<std::int64_t> subcase) {
   const Stopwatch watch;
-  Deck deck = read_deck(file);
+  Deck deck = read_deck(file, {.subcase = subcase});
   const double reading = watch.seconds();
   IssueList issues;
   accept_missing(deck.notes, {}, issues);
   issues.raise();
   for (const auto& note : deck.notes)
-    if (note.kind == DeckNoteKind::doubtful)
-      print_error("warning: {}\n", to_string(Issue{note.where, note.what, note.consequence, ""}));
+    if (note.kind != DeckNoteKind::unused)
+      print_error("warning: {}\n", to_string(Issue{note.where, note_subject(note), note.consequence, ""}));
   to_si(deck.model, unit_system(units));
   FiniteElementPart part{.name = std::filesystem::path(file).stem().string(), .elements = std::move(deck.model)};
   part.times.add("read", reading);
+  if (deck.preload) {
+    to_si(*deck.preload, unit_system(units));
+    auto preload = preload_of(part.elements, *deck.preload);
+    part.preload_stiffness = std::move(preload.stiffness);
+    if (!preload.ignored.empty()) print_error("warning: {}\n", ignored_preload(deck.preload->name, preload.ignored));
+  }
   assemble_part(part, {.at_present_values = true});
   for (const auto& finding : {units_finding(part.elements), coincident_elements_finding(part.elements)})
     if (finding) print_error("warning: {}\n", to_string(Issue{{file, 0}, finding->what, finding->why, finding->fix}));
   return part;
 }
 
+/// What became of each field that the deck fills.
+Table ledger_table(const std::vector<LedgerEntry>& ledger) {
+  Table table{"Fields of the deck", {"card", "field", "fate", "count", "first place"}, {}, {}};
+  for (const auto& entry : ledger)
+    table.rows.push_back({entry.card, entry.field, to_string(entry.fate), std::to_string(entry.count),
+                          fmt::format("{}:{}", entry.where.file, entry.where.line)});
+  return table;
+}
+
 }  // namespace
 
-ExitCode check_deck(const std::string& file, const std::vector<std::string>& units, const std::string& page_file) {
+// K and M are assembled once and factored once; the factor that shows that nothing moves without strain serves the
+// modes too. With a preload the modes are those of K + K_g, which has a factor of its own.
+ExitCode check_deck(const CheckDeckArguments& arguments) {
+  const auto& [file, units, page_file, with_ledger, subcase] = arguments;
   if (!page_file.empty()) require_writable(page_file);
-  Deck deck = read_deck(file);
+  Deck deck = read_deck(file, {.subcase = subcase, .ledger = with_ledger});
   to_si(deck.model, unit_system(units));
-  const AssembledModel assembled = assemble(deck.model);
-  const ModelCheckReport report = check_model(deck.model, assembled);
+  AssembledModel assembled = assemble(deck.model, {.at_present_values = true});
+  SparseMatrix stiffness = taken(assembled.stiffness);
+  const SparseMatrix mass = taken(assembled.mass);
+  ModelCheckReport report =
+      check_model(deck.model, assembled, stiffness, mass, {.needs_mass = !deck.is_static_analysis});
   print("{}\n\n{}", file, model_check_text(report, deck.notes));
   const bool is_complete =
       std::ranges::none_of(deck.notes, [](const DeckNote& note) { return note.kind == DeckNoteKind::missing; });
   const bool sound = is_complete && report.count(FindingSeverity::error) == 0;
-  const Table frequencies = sound ? frequency_table(lowest_frequencies(assembled, modes_in_check)) : Table{};
-  if (sound) print("{}\n{}\n", frequencies.title, to_text(frequencies));
+  if (deck.preload && sound) {
+    to_si(*deck.preload, unit_system(units));
+    const SparseMatrix preload = preload_stiffness(deck.model, *deck.preload);
+    stiffness += SparseMatrix(assembled.expansion.transpose() * preload * assembled.expansion);
+    report.factor = nullptr;
+    print("The modes below are those with the preload that the deck states, load case '{}'.\n", deck.preload->name);
+  }
+  const Table frequencies = sound ? frequency_table(lowest_frequencies(stiffness, mass, report.factor.get())) : Table{};
+  if (!frequencies.rows.empty()) print("{}\n{}\n", frequencies.title, to_text(frequencies));
+  if (with_ledger) print("{}", to_text(ledger_table(deck.ledger)));
   if (!page_file.empty()) {
     const std::string name = std::filesystem::path(file).filename().string();
     Page page{.title = name,
@@ -92,7 +133,7 @@ ExitCode check_deck(const std::string& file, const std::vector<std::string>& uni
               .status = sound ? VerdictState::consistent : VerdictState::unusable,
               .summary = "Model check of the deck.",
               .sections = {model_check_section(name, deck.model, report, deck.notes)}};
-    if (sound) page.sections.front().items.emplace_back(frequencies);
+    if (!frequencies.rows.empty()) page.sections.front().items.emplace_back(frequencies);
     write_file_atomically(page_file, render_html(page));
   }
   return sound ? done : mend_the_input;
@@ -100,7 +141,7 @@ ExitCode check_deck(const std::string& file, const std::vector<std::string>& uni
 
 ExitCode modes_of_deck(const DeckModesArguments& arguments) {
   const std::filesystem::path folder = arguments.folder;
-  FiniteElementPart part = part_of(arguments.file, arguments.units);
+  FiniteElementPart part = part_of(arguments.file, arguments.units, arguments.subcase);
   const std::string picture = part.name + "_modes.vtu";
   if (!folder.empty()) require_writable(folder / picture);
   const auto modes = part.times.measure(
@@ -116,7 +157,8 @@ ExitCode modes_of_deck(const DeckModesArguments& arguments) {
     return done;
   }
   const Table table = frequency_table(modes.frequencies);
-  print("{}: {} degrees of freedom, {}\n\n{}\n{}", arguments.file, modes.dofs, mass_text(part), table.title,
+  print("{}: {} degrees of freedom, {}{}\n\n{}\n{}", arguments.file, modes.dofs, mass_text(part),
+        part.preload_stiffness.size() > 0 ? ", with the preload that the deck states" : "", table.title,
         to_text(table));
   if (!folder.empty()) print("\nShapes in {}\n", (folder / picture).string());
   return done;

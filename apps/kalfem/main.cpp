@@ -1,8 +1,13 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdlib>
 #include <exception>
+#include <new>
 #include <sstream>
+#include <string_view>
+
+#include <unistd.h>
 
 #include "console.hpp"
 #include "kalfem/base/atomic_file.hpp"
@@ -23,7 +28,7 @@ struct Arguments {
   command::DeckModesArguments deck;
   std::string case_file, resumed, page, shell, topic, kind, folder;
   std::vector<std::string> units, files;
-  bool json = false, quiet = false, laws = false;
+  bool json = false, quiet = false, laws = false, ledger = false, large = false;
 };
 
 void add_changes(CLI::App& verb, Arguments& arguments) {
@@ -33,6 +38,9 @@ void add_changes(CLI::App& verb, Arguments& arguments) {
 }
 
 CLI::Option* add_units(CLI::App& verb, Arguments& arguments) {
+  verb.add_option(
+      "--subcase", arguments.deck.subcase,
+      "SUBCASE of a Nastran deck whose structure is meant; default: the first one with METHOD, or the first");
   return verb
       .add_option("--units", arguments.units, "units of a deck: length, mass and time, such as mm t s; default: SI")
       ->expected(3);
@@ -80,11 +88,19 @@ command::ExitCode modes_of_deck(Arguments& arguments) {
   return command::modes_of_deck(deck);
 }
 
+command::ExitCode check(const Arguments& arguments) {
+  if (is_deck(arguments.case_file))
+    return command::check_deck(
+        {arguments.case_file, arguments.units, arguments.page, arguments.ledger, arguments.deck.subcase});
+  if (arguments.ledger)
+    throw InvalidInput("--ledger: a case has no ledger", "it lists the fields of a deck", "name the deck itself");
+  return command::check(arguments.case_file, arguments.run.changes, arguments.page);
+}
+
 command::ExitCode execute(const CLI::App& app, Arguments& arguments) {
-  if (app.got_subcommand("check"))
-    return is_deck(arguments.case_file) ? command::check_deck(arguments.case_file, arguments.units, arguments.page)
-                                        : command::check(arguments.case_file, arguments.run.changes, arguments.page);
-  if (app.got_subcommand("inspect")) return command::inspect(arguments.files, arguments.json, arguments.page);
+  if (app.got_subcommand("check")) return check(arguments);
+  if (app.got_subcommand("inspect"))
+    return command::inspect({arguments.files, arguments.json, arguments.large, arguments.page});
   if (app.got_subcommand("new")) return command::new_case(arguments.kind, arguments.folder);
   if (app.got_subcommand("completion")) return command::completion(arguments.shell, verbs_of(app));
   if (app.got_subcommand("schema")) return command::schema(arguments.json, arguments.laws, arguments.topic);
@@ -114,6 +130,22 @@ command::ExitCode execute(const CLI::App& app, Arguments& arguments) {
   return command::run(arguments.run, Step::everything);
 }
 
+constexpr std::string_view no_memory =
+    "kalfem: not enough memory: the input, or what is computed from it, is larger than the memory that is available "
+    "(free memory, ulimit -v); use a smaller file or a coarser model\n";
+
+/// Memory may also end where nothing can be thrown on: in a destructor, or in a thread of a library.
+[[noreturn]] void end_without_memory() {
+  try {
+    if (const auto thrown = std::current_exception()) std::rethrow_exception(thrown);
+  } catch (const std::bad_alloc&) {
+    if (write(STDERR_FILENO, no_memory.data(), no_memory.size()) >= 0) _exit(command::mend_the_input);
+  } catch (...) {
+    std::abort();
+  }
+  std::abort();
+}
+
 /// Runs a part of the command; what it throws becomes a message and an exit code.
 template <class Part>
 int guarded(const Part& part) {
@@ -128,6 +160,9 @@ int guarded(const Part& part) {
     return command::cannot_write;
   } catch (const InvalidInput& error) {
     command::print_error("{}\n", error.what());
+    return command::mend_the_input;
+  } catch (const std::bad_alloc&) {
+    command::print_error_text(no_memory);
     return command::mend_the_input;
   } catch (const std::exception& error) {
     command::print_error("kalfem: internal error: {}\n", error.what());
@@ -196,6 +231,7 @@ void add_verbs(CLI::App& app, Arguments& arguments) {
   add_changes(*check, arguments);
   check->add_option("--page", arguments.page, "write the model check to this HTML file, with a picture of the mesh");
   add_units(*check, arguments);
+  check->add_flag("--ledger", arguments.ledger, "list every field that a deck fills: used, told or refused");
   auto* report = app.add_subcommand("report", "print again what a finished run printed");
   report->add_option("folder", arguments.folder, "folder of the results")->required();
   report->add_flag("--json", arguments.json, "print summary.json in place of the report");
@@ -215,6 +251,8 @@ void add_verbs(CLI::App& app, Arguments& arguments) {
   auto* inspect = app.add_subcommand("inspect", "tell what measured files hold, and what is odd about their channels");
   inspect->add_option("files", arguments.files, "measured files")->required();
   inspect->add_flag("--json", arguments.json, "as JSON, an array of one object a file");
+  inspect->add_flag("--large", arguments.large,
+                    "read also parts of compressed files that unpack to far more than the file");
   inspect->add_option("--page", arguments.page, "write an HTML page with the course of every channel to this file");
   auto* schema = app.add_subcommand("schema", "print the reference of the case file");
   schema->add_option("section", arguments.topic, "one section of the case file: estimate");
@@ -250,6 +288,7 @@ int parse_and_execute(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   command::prepare_streams();
+  std::set_terminate(end_without_memory);
   keep_freed_memory();
   command::listen_to_signals();
   return guarded([&] { return command::on_ranks(argc, argv, [&] { return parse_and_execute(argc, argv); }); });

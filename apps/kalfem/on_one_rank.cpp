@@ -14,12 +14,14 @@ int on_ranks(int, char**, const std::function<int()>& command) {
                      "build it with -DKALFEM_MPI=ON (cmake --preset mpi), or start it without mpirun");
 }
 
-std::unique_ptr<Sweep> sweep_of_all_ranks(const std::function<std::unique_ptr<Sweep>()>& make) { return make(); }
+std::unique_ptr<CaseSweep> sweep_of_all_ranks(const std::function<std::unique_ptr<CaseSweep>()>& make) {
+  return make();
+}
 
 bool works_for_rank_0() { return false; }
 
-void make_runs_for_rank_0(Sweep&) {}
+void make_runs_for_rank_0(CaseSweep&) {}
 
-std::vector<SweepRun> run_on_ranks(Sweep& sweep, const SweepOptions& options) { return sweep.run(options); }
+std::vector<SweepRun> run_on_ranks(CaseSweep& sweep, const SweepOptions& options) { return sweep.run(options); }
 
 }  // namespace kalfem::command

@@ -63,13 +63,13 @@ ExitCode sweep(const SweepArguments& arguments) {
   const fs::path place = folder_of(arguments);
   std::optional<SweepFolder> own_folder;
   const auto made = sweep_of_all_ranks([&] {
-    auto sweep = std::make_unique<Sweep>(
+    auto sweep = std::make_unique<CaseSweep>(
         SweepPlan{arguments.case_file, changes_of(arguments.changes), axes_of(arguments.grid), arguments.seeds});
     if (!works_for_rank_0()) own_folder.emplace(place, *sweep);
     return sweep;
   });
   if (!made) return mend_the_input;
-  Sweep& sweep = *made;
+  CaseSweep& sweep = *made;
   if (works_for_rank_0()) {
     make_runs_for_rank_0(sweep);
     return done;

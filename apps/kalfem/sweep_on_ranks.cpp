@@ -80,7 +80,7 @@ private:
 /// Rank 0's own share, made beside its talk with the workers.
 class OwnShare {
 public:
-  OwnShare(Sweep& sweep, OpenRuns& open)
+  OwnShare(CaseSweep& sweep, OpenRuns& open)
       : thread_([&] {
           const OneCore one;
           try {
@@ -126,9 +126,9 @@ private:
 
 // Each rank reads the case by itself. Before anything is run, rank 0 hears from all others whether theirs is the same:
 // a file may be missing on another computer.
-std::unique_ptr<Sweep> sweep_of_all_ranks(const std::function<std::unique_ptr<Sweep>()>& make) {
+std::unique_ptr<CaseSweep> sweep_of_all_ranks(const std::function<std::unique_ptr<CaseSweep>()>& make) {
   if (launched_rank().ranks == 1) return make();
-  std::unique_ptr<Sweep> sweep;
+  std::unique_ptr<CaseSweep> sweep;
   std::exception_ptr refusal;
   std::string word;
   try {
@@ -159,7 +159,7 @@ std::unique_ptr<Sweep> sweep_of_all_ranks(const std::function<std::unique_ptr<Sw
 
 bool works_for_rank_0() { return launched_rank().rank > 0; }
 
-void make_runs_for_rank_0(Sweep& sweep) {
+void make_runs_for_rank_0(CaseSweep& sweep) {
   const OneCore one;
   for (std::string made;;) {
     send_text(made, 0);
@@ -170,7 +170,7 @@ void make_runs_for_rank_0(Sweep& sweep) {
   }
 }
 
-std::vector<SweepRun> run_on_ranks(Sweep& sweep, const SweepOptions& options) {
+std::vector<SweepRun> run_on_ranks(CaseSweep& sweep, const SweepOptions& options) {
   if (launched_rank().ranks == 1) return sweep.run(options);
   std::vector<SweepRun> runs = options.known;
   const std::size_t count = sweep.plan().size();

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -60,9 +62,16 @@ std::vector<CaseChange> changes_of(const std::vector<std::string>& texts);
 
 /// check: validate and explain, run nothing. With a page file, the model check of the substructures goes there too.
 ExitCode check(const std::string& case_file, const std::vector<std::string>& changes, const std::string& page_file);
-/// check of a deck alone: its contents, the cards that kalfem ignores, and the model check. `units`: none (SI) or
-/// length, mass and time.
-ExitCode check_deck(const std::string& file, const std::vector<std::string>& units, const std::string& page_file);
+
+struct CheckDeckArguments {
+  std::string file;
+  std::vector<std::string> units;            ///< none (SI), or length, mass and time
+  std::string page_file;                     ///< empty: none
+  bool ledger = false;                       ///< list what became of every field
+  std::optional<std::int64_t> subcase = {};  ///< of Nastran, whose structure is meant
+};
+/// check of a deck alone: its contents, the cards that kalfem ignores, and the model check.
+ExitCode check_deck(const CheckDeckArguments& arguments);
 
 struct DeckModesArguments {
   std::string file;
@@ -70,12 +79,20 @@ struct DeckModesArguments {
   std::string folder;              ///< of the shapes; empty: they are not written
   int count = 20;
   bool as_json = false;
+  std::optional<std::int64_t> subcase = {};  ///< of Nastran, whose structure is meant
 };
 /// modes of a deck alone, at full order: a table, and the shapes for ParaView.
 ExitCode modes_of_deck(const DeckModesArguments& arguments);
 
+struct InspectArguments {
+  std::vector<std::string> files;
+  bool as_json = false;
+  bool large = false;  ///< also parts of compressed files that unpack to far more than the file
+  std::string page;    ///< HTML file to write; empty: none
+};
+
 /// inspect: what measured files hold and what is odd about their channels, as text, JSON (one array) or a page.
-ExitCode inspect(const std::vector<std::string>& files, bool as_json, const std::string& page_file);
+ExitCode inspect(const InspectArguments& arguments);
 /// schema: the case-file reference as text, all or one section; or as JSON Schema; or the connector laws.
 ExitCode schema(bool as_json, bool laws, const std::string& topic);
 /// The JSON Schema, for editors.

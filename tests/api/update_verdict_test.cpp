@@ -4,6 +4,7 @@
 
 #include "casefile/case_run.hpp"
 #include "chain.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 
 // Whether the numbers of an updating can be trusted: the library says the same as the command does of the same
 // frequencies.

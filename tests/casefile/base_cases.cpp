@@ -473,6 +473,7 @@ substructures:
       format: nastran
       units: {length: 1 mm, mass: 1 t, time: 1 s}
       temperature: 20
+      subcase: 1
       nodes: {end: 2}
 static: {substructure: truss, deck_cases: true}
 )";
@@ -612,7 +613,8 @@ void write_case_files(const std::filesystem::path& folder) {
   std::ofstream(folder / "M.mtx") << symmetric << "3\n1 1 1e-3\n2 2 1e-3\n3 3 1e-3\n";
   std::ofstream(folder / "map.txt") << "11.3\n12.3\n13.3\n";
   std::ofstream(folder / "truss.bdf")
-      << "GRID,1,,0.,0.,0.,,123456\nGRID,2,,100.,0.,0.,,23456\nMAT1,1,2.1+5,,.3,7.85-9\n"
+      << "SOL 101\nCEND\nSUBCASE 1\nLOAD = 1\nBEGIN "
+         "BULK\nGRID,1,,0.,0.,0.,,123456\nGRID,2,,100.,0.,0.,,23456\nMAT1,1,2.1+5,,.3,7.85-9\n"
          "MATT1,1,5\nTABLEM1,5\n,0.,2.1+5,100.,2.0+5,ENDT\nPROD,1,1,10.\nCROD,1,1,1,2\nFORCE,1,2,,10.,1.\nENDDATA\n";
 }
 

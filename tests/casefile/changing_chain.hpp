@@ -4,6 +4,7 @@
 
 #include "casefile/case_run.hpp"
 #include "kalfem/identification/record_estimate.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 
 namespace kalfem::test {
 

@@ -5,8 +5,12 @@
 
 #include "base/absent.hpp"
 #include "base/data_folder.hpp"
+#include "base/places.hpp"
 #include "base/scratch_folder.hpp"
 #include "casefile/case_run.hpp"
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/pipeline/reported_quantities.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 
 /// A connector law on a test machine: motion imposed, force measured, no mass.
 namespace kalfem::test {
@@ -196,7 +200,7 @@ TEST(Component, WhatDoesNotFitTogetherIsRefused) {
 
 /// Error of the open loop over the part of a measured record that an example was not estimated from.
 double held_back_error(const std::string& example) {
-  const auto study = load_study(std::string(KALFEM_SOURCE_DIR) + "/examples/" + example);
+  const auto study = load_study(source_folder() + "/examples/" + example);
   const auto results = run_study(study, Step::estimate);
   EXPECT_TRUE(results.complete()) << results.failure;
   if (!results.validation) return 1.0;

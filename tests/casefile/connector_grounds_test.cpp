@@ -3,6 +3,8 @@
 #include "base/scratch_folder.hpp"
 #include "casefile/case_run.hpp"
 #include "formats/plate_msh.hpp"
+#include "kalfem/pipeline/reported_quantities.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 
 // Connectors that end at a ground: of a finite-element substructure without springs, the fixed one, and two grounds.
 

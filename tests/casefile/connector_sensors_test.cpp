@@ -1,4 +1,6 @@
 #include "casefile/case_run.hpp"
+#include "kalfem/pipeline/reported_quantities.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 
 // Sensors of several connectors with weights, in the record, the filter and an updating.
 

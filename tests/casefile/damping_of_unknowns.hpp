@@ -6,6 +6,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "base/places.hpp"
 #include "kalfem/base/random.hpp"
 #include "kalfem/casefile/case_schema.hpp"
 #include "kalfem/pipeline/run_study.hpp"
@@ -25,7 +26,7 @@ inline std::string with(std::string text, const std::string& from, const std::st
 /// The example without its prediction, with these unknowns beside the suspension's two.
 inline std::string chain_case(const std::string& duration, const std::string& unknowns) {
   std::ostringstream file;
-  file << std::ifstream(std::string(KALFEM_SOURCE_DIR) + "/examples/chain/chain.yaml").rdbuf();
+  file << std::ifstream(source_folder() + "/examples/chain/chain.yaml").rdbuf();
   std::string text = file.str();
   text.resize(text.find("predict:"));
   const std::string last = "    suspension.mu_c1: {initial: 16 N, std: 50 %}\n";

@@ -4,6 +4,7 @@
 
 #include "casefile/case_run.hpp"
 #include "kalfem/identification/walked_range.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/report/result_set.hpp"
 #include "kalfem/report/tables.hpp"
 

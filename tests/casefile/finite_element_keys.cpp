@@ -128,6 +128,21 @@ void temperatures_of_decks() {
   }));
 }
 
+/// The subcase whose supports the model has; steps of Abaqus are none.
+void subcases_of_decks() {
+  write_file("subcases.bdf",
+             "SOL 103\nCEND\nMETHOD = 1\nSUBCASE 1\nSPC = 1\nSUBCASE 2\nSPC = 2\nBEGIN BULK\nGRID,1,,0.,0.,0.\n"
+             "GRID,2,,1.,0.,0.\nCBAR,1,1,1,2,0.,1.,0.\nPBAR,1,1,1.,1.,1.,1.\nMAT1,1,1.,,.3,1.\nSPC1,1,123456,1\n"
+             "SPC1,2,123456,2\nENDDATA\n");
+  for (const int number : {1, 2}) {
+    const auto text = std::to_string(number);
+    EXPECT_EQ(elements_of(with_elements("deck: subcases.bdf, subcase: " + text)).fixed.front().name, "spc" + text);
+  }
+  EXPECT_THROW(with_elements("deck: subcases.bdf"), InvalidInput);
+  write_file("bar.inp", abaqus_text);
+  EXPECT_THROW(with_elements("deck: bar.inp, subcase: 1"), InvalidInput);
+}
+
 /// The same file at another place.
 void translated_nodes() {
   const auto here = with_mesh(""), there = with_mesh("translate: [1 m, -2 m, 50 cm]");
@@ -578,6 +593,7 @@ KeyChecks finite_element_keys() {
   add(at + "tables.", {"nodes", "elements", "scale"}, tables);
   add(at, {"deck", "format"}, decks);
   add(at, {"temperature"}, temperatures_of_decks);
+  add(at, {"subcase"}, subcases_of_decks);
   add(at, {"translate"}, translated_nodes);
   add(at + "rotate.", {"axis", "angle", "about"}, rotated_nodes);
   add(at, {"accept_missing"}, missing_parts_of_decks);

@@ -3,6 +3,7 @@
 
 #include "casefile/case_run.hpp"
 #include "kalfem/pipeline/run_inference.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 
 // What the data tell of the unknowns of a case: posterior, profile, bands, identifiability, sensitivity.
 

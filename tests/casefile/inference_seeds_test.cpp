@@ -7,6 +7,7 @@
 
 #include "casefile/case_run.hpp"
 #include "kalfem/base/random.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 
 // Statistics of posteriors and of choices between laws over many records.
 

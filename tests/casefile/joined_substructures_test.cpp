@@ -2,6 +2,8 @@
 
 #include "base/scratch_folder.hpp"
 #include "casefile/case_run.hpp"
+#include "kalfem/pipeline/reported_quantities.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/system/linearised.hpp"
 
 // Two finite-element substructures whose meshes meet in coincident nodes, joined by naming the group of these nodes,

@@ -2,7 +2,9 @@
 
 #include "base/absent.hpp"
 #include "base/data_folder.hpp"
+#include "base/places.hpp"
 #include "casefile/case_run.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 
 // Examples on records that others measured; figures of docs/measured-examples.md.
 
@@ -10,7 +12,7 @@ namespace kalfem::test {
 namespace {
 
 StudyResults results_of_example(const std::string& example) {
-  return run_study(load_study(std::string(KALFEM_SOURCE_DIR) + "/examples/" + example), Step::estimate);
+  return run_study(load_study(source_folder() + "/examples/" + example), Step::estimate);
 }
 
 double estimate_of(const StudyResults& results, const std::string& name) {

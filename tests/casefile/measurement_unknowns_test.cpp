@@ -2,6 +2,7 @@
 
 #include "casefile/case_run.hpp"
 #include "kalfem/pipeline/run_identified_case.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/report/result_set.hpp"
 #include "kalfem/report/tables.hpp"
 

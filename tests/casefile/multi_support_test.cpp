@@ -4,6 +4,8 @@
 
 #include "base/scratch_folder.hpp"
 #include "casefile/case_run.hpp"
+#include "kalfem/pipeline/reported_quantities.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/system/signals/deterministic.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
 

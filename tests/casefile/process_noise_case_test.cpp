@@ -2,6 +2,7 @@
 
 #include "casefile/case_run.hpp"
 #include "kalfem/diagnosis/judge_estimation.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/report/result_set.hpp"
 
 // Estimates against the process noise: shown always, and a reason for doubt where they depend on it.

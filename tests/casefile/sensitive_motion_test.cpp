@@ -2,6 +2,7 @@
 
 #include "casefile/case_run.hpp"
 #include "casefile/small_cases.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 
 // Motion that no finer step brings together: a mass that rattles between stops.
 

@@ -3,8 +3,12 @@
 
 #include "base/scratch_folder.hpp"
 #include "casefile/case_run.hpp"
+#include "kalfem/base/invalid_input.hpp"
 #include "kalfem/casefile/case_schema.hpp"
+#include "kalfem/casefile/description.hpp"
 #include "kalfem/study/deck_files.hpp"
+#include "kalfem/study/study.hpp"
+#include "kalfem/yaml/case_reader.hpp"
 
 // Finite-element substructures of one deck that stand elsewhere, or differ in what the case adds: the deck is parsed
 // once, and each is made from a copy of it.

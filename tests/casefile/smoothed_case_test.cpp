@@ -1,4 +1,6 @@
 #include "casefile/case_run.hpp"
+#include "kalfem/pipeline/reported_quantities.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 
 // The fixed-interval smoother of a case: what must hold of it whatever the structure.
 

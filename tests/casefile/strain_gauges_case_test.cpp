@@ -4,6 +4,8 @@
 
 #include "base/scratch_folder.hpp"
 #include "casefile/case_run.hpp"
+#include "kalfem/pipeline/reported_quantities.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 
 // Strain gauges in cases: measured, estimated, predicted; of reduced against full models; records of strains.
 

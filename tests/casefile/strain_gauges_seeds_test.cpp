@@ -3,6 +3,7 @@
 #include <iostream>
 #include <map>
 
+#include "base/places.hpp"
 #include "kalfem/base/random.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"
 #include "kalfem/pipeline/run_steps.hpp"
@@ -18,7 +19,7 @@ Study vehicle_on_road(int road) {
   for (int wheel = 1; wheel <= 4; ++wheel)
     changes.push_back(
         {"excitation.road_" + std::to_string(wheel) + ".random.seed", std::to_string(road) + std::to_string(wheel)});
-  return load_study(KALFEM_SOURCE_DIR "/examples/vehicle/strain.yaml", changes);
+  return load_study(source_folder() + "/examples/vehicle/strain.yaml", changes);
 }
 
 /// Puts another draw of the noise into the simulated record.

@@ -1,6 +1,8 @@
 #include <iostream>
 
 #include "casefile/case_run.hpp"
+#include "kalfem/pipeline/reported_quantities.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 
 // The paper's chain on a ground whose motion nobody measured: errors and bands over 40 roads and 40 draws of the noise.
 

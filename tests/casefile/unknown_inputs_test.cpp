@@ -1,4 +1,6 @@
 #include "casefile/case_run.hpp"
+#include "kalfem/pipeline/reported_quantities.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 
 // Excitations that the filter does not know: their estimate against the signal that drives the simulation, and cases
 // where nothing can be learned of them.

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string>
 
+#include "base/places.hpp"
 #include "base/scratch_folder.hpp"
 
 /// Runs the command as a user does, and reads what it left.
@@ -27,7 +28,7 @@ inline std::string read(const std::filesystem::path& file) {
 
 inline Outcome run_command(const std::string& arguments, const std::filesystem::path& folder) {
   const auto out = folder / "stdout.txt", err = folder / "stderr.txt";
-  const std::string line = std::string(KALFEM_COMMAND) + " " + arguments + " >" + out.string() + " 2>" + err.string();
+  const std::string line = command_file() + " " + arguments + " >" + out.string() + " 2>" + err.string();
   const int status = std::system(line.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(out), read(err)};
 }
@@ -36,6 +37,6 @@ inline nlohmann::json read_summary(const std::filesystem::path& folder) {
   return nlohmann::json::parse(read(folder / "summary.json"));
 }
 
-inline std::string example(const std::string& name) { return std::string(KALFEM_SOURCE_DIR) + "/examples/" + name; }
+inline std::string example(const std::string& name) { return source_folder() + "/examples/" + name; }
 
 }  // namespace kalfem::test

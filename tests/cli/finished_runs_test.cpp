@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "base/absent.hpp"
+#include "base/places.hpp"
 #include "short_case.hpp"
 
 /// Verbs on the folders of finished runs: report, compare, plot.
@@ -188,8 +189,7 @@ TEST_F(FinishedRuns, AreNotDrawnWhereTheyCannotBe) {
 TEST_F(FinishedRuns, AreDrawnAsPicturesOfPoints) {
   const std::string arguments = "plot " + (*runs_ / "a").string() + " --format png --out " + (*runs_ / "png").string();
   const auto without = std::system(
-      ("PATH=/nowhere " + std::string(KALFEM_COMMAND) + " " + arguments + " 2>" + (*runs_ / "png.txt").string())
-          .c_str());
+      ("PATH=/nowhere " + command_file() + " " + arguments + " 2>" + (*runs_ / "png.txt").string()).c_str());
   EXPECT_EQ(WEXITSTATUS(without), 2);
   EXPECT_NE(read(*runs_ / "png.txt").find("apt install librsvg2-bin"), std::string::npos);
   if (std::system("command -v rsvg-convert >/dev/null") != 0) KALFEM_ABSENT("rsvg-convert is absent");

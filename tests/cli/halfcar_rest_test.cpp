@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "base/data_folder.hpp"
+#include "base/places.hpp"
 #include "command.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
 
@@ -40,7 +41,7 @@ protected:
                                 " HALFCAR_RUN=run BODY_MASS=" + (loaded ? "473.77" : "433") +
                                 " BODY_INERTIA=" + (loaded ? "105.63" : "82.7") + " ";
     const auto out = folder_ / "out";
-    const std::string line = setting + KALFEM_COMMAND + " run " + example("halfcar/halfcar.yaml") + " --out " +
+    const std::string line = setting + command_file() + " run " + example("halfcar/halfcar.yaml") + " --out " +
                              out.string() + " > " + (folder_ / "stdout.txt").string() + " 2>&1";
     EXPECT_EQ(std::system(line.c_str()), 0) << read(folder_ / "stdout.txt");
     printed_ = read(folder_ / "stdout.txt");

@@ -2,6 +2,7 @@
 
 #include <csignal>
 
+#include "base/places.hpp"
 #include "command.hpp"
 #include "started_command.hpp"
 
@@ -60,7 +61,7 @@ TEST_F(Infer, ContinuesAKilledRun) {
   std::filesystem::remove_all(folder_ / "out");
   const auto checkpoint = folder_ / "out" / "infer.checkpoint";
   const pid_t child =
-      start({KALFEM_COMMAND, "infer", (folder_ / "case.yaml").string(), "--out", (folder_ / "out").string()});
+      start({command_file(), "infer", (folder_ / "case.yaml").string(), "--out", (folder_ / "out").string()});
   std::error_code not_yet;
   while (!std::filesystem::exists(checkpoint) || std::filesystem::file_size(checkpoint, not_yet) < 8000)
     ASSERT_EQ(waitpid(child, nullptr, WNOHANG), 0) << "it ended before it could be killed";

@@ -8,6 +8,7 @@
 #include <csignal>
 #include <thread>
 
+#include "base/places.hpp"
 #include "short_case.hpp"
 #include "started_command.hpp"
 
@@ -27,7 +28,7 @@ inline KilledRuns kill_runs(int moments) {
   const std::array files{write_case(folder, "one.yaml", short_case("A")),
                          write_case(folder, "two.yaml", short_case("B"))};
   const auto run = [&](int i) {
-    return std::vector<std::string>{KALFEM_COMMAND, "run", files[static_cast<std::size_t>(i % 2)], "--out",
+    return std::vector<std::string>{command_file(), "run", files[static_cast<std::size_t>(i % 2)], "--out",
                                     out.string()};
   };
   const auto wait_for = [](pid_t child) {

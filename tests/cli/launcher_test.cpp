@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "base/places.hpp"
 #include "command.hpp"
 
 namespace kalfem::test {
@@ -7,7 +8,7 @@ namespace {
 
 Outcome run_launched(const std::string& environment) {
   const ScratchFolder folder("launched");
-  const std::string line = "env " + environment + " " + KALFEM_COMMAND + " schema estimate >" +
+  const std::string line = "env " + environment + " " + command_file() + " schema estimate >" +
                            (folder / "stdout.txt").string() + " 2>" + (folder / "stderr.txt").string();
   const int status = std::system(line.c_str());
   return {WEXITSTATUS(status), read(folder / "stdout.txt"), read(folder / "stderr.txt")};

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdio>
 
+#include "base/places.hpp"
 #include "formats/plate_msh.hpp"
 #include "kalfem/base/output_folder.hpp"
 #include "short_case.hpp"
@@ -24,7 +25,7 @@ Outcome through_pipe(const std::string& line) {
   return outcome;
 }
 
-const std::string command = KALFEM_COMMAND;
+const std::string command = command_file();
 
 TEST(Output, ARunIntoAFolderInUseIsRefusedAndNamesTheOther) {
   const ScratchFolder folder("in-use");

@@ -7,6 +7,7 @@
 
 #include "base/absent.hpp"
 #include "base/data_folder.hpp"
+#include "base/places.hpp"
 #include "command.hpp"
 
 // The page answers what people ask: every element that docs/page-questions.md names stands on the page of the example
@@ -36,7 +37,7 @@ struct Question {
 
 std::vector<Question> questions() {
   std::vector<Question> all;
-  std::istringstream text(read(std::string(KALFEM_SOURCE_DIR) + "/docs/page-questions.md"));
+  std::istringstream text(read(source_folder() + "/docs/page-questions.md"));
   for (std::string line; std::getline(text, line);) {
     if (line.size() < 3 || line[0] != '|' || !std::isdigit(static_cast<unsigned char>(line[2]))) continue;
     const auto cells = split(line.substr(2, line.size() - 4), " | ");

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <thread>
 
+#include "base/places.hpp"
 #include "short_case.hpp"
 #include "started_command.hpp"
 
@@ -25,7 +26,7 @@ class Resume : public testing::Test {
 protected:
   /// Kills a run of the case as soon as the file is there.
   void kill_when_there(const std::string& name, const std::string& verb = "run") {
-    const pid_t child = start({KALFEM_COMMAND, verb, file_, "--out", out_.string(), "--set", "title=changed"});
+    const pid_t child = start({command_file(), verb, file_, "--out", out_.string(), "--set", "title=changed"});
     while (!fs::exists(out_ / name)) {
       ASSERT_EQ(waitpid(child, nullptr, WNOHANG), 0) << "it ended before it could be killed";
       std::this_thread::sleep_for(std::chrono::milliseconds(2));

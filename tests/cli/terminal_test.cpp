@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "base/absent.hpp"
+#include "base/places.hpp"
 #include "short_case.hpp"
 
 /// What the command prints on a terminal, into a pipe, and of itself.
@@ -10,8 +11,8 @@ namespace {
 /// The output on a terminal that util-linux's `script` plays.
 std::string on_terminal(const std::string& arguments, const ScratchFolder& folder, const std::string& environment) {
   const std::string log = (folder / "typescript").string();
-  const std::string line = environment + " script -qec '" + std::string(KALFEM_COMMAND) + " " + arguments + "' " + log +
-                           " >/dev/null 2>&1 </dev/null";
+  const std::string line =
+      environment + " script -qec '" + command_file() + " " + arguments + "' " + log + " >/dev/null 2>&1 </dev/null";
   return WEXITSTATUS(std::system(line.c_str())) == 0 ? read(log) : "";
 }
 

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "base/figures.hpp"
+#include "base/places.hpp"
 #include "updating_case.hpp"
 
 // Models that are refined by records: driven by the estimated motion of a boundary, or simulated as a whole.
@@ -86,9 +87,8 @@ TEST(UpdatingByRecords, ARunThatWasKilledGoesOnWhereItStood) {
   ASSERT_EQ(whole.code, 0) << whole.errors;
   const std::string out = (folder / "killed").string(), checkpoint = out + "/update.checkpoint.json";
   const std::string script =
-      std::string(KALFEM_COMMAND) + " update " + file + " --out " + out +
-      " >/dev/null 2>&1 & p=$!; i=0; while [ ! -f " + checkpoint +
-      " ] && [ $i -lt 1200 ]; do sleep 0.05; i=$((i+1)); done; kill -9 $p; wait $p 2>/dev/null; true";
+      command_file() + " update " + file + " --out " + out + " >/dev/null 2>&1 & p=$!; i=0; while [ ! -f " +
+      checkpoint + " ] && [ $i -lt 1200 ]; do sleep 0.05; i=$((i+1)); done; kill -9 $p; wait $p 2>/dev/null; true";
   ASSERT_EQ(std::system(script.c_str()), 0);
   ASSERT_TRUE(std::filesystem::exists(checkpoint)) << "the run ended before it could be killed";
   const auto second = run_command("update " + file + " --out " + out, folder);

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <thread>
 
+#include "base/places.hpp"
 #include "command.hpp"
 #include "started_command.hpp"
 
@@ -138,7 +139,7 @@ TEST(Verbs, EndCleanlyWhenAskedToStop) {
   const std::string file = (folder / "case.yaml").string(), out = (folder / "out").string();
   const auto stopped = [&](const std::string& text, int signal, auto ready) {
     std::ofstream(file) << text;
-    const pid_t child = start({KALFEM_COMMAND, "run", file, "--out", out});
+    const pid_t child = start({command_file(), "run", file, "--out", out});
     while (!ready()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     kill(child, signal);
     int status = 0;

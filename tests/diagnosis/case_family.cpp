@@ -1,4 +1,5 @@
 #include "diagnosis/case_family.hpp"
+#include "base/places.hpp"
 
 #include <gtest/gtest.h>
 
@@ -181,14 +182,14 @@ connectors:
 }
 
 CaseFamily vehicle_family() {
-  std::ifstream file(std::string(KALFEM_SOURCE_DIR) + "/examples/vehicle/vehicle.yaml");
+  std::ifstream file(source_folder() + "/examples/vehicle/vehicle.yaml");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   const auto begin = text.find("substructures:"), end = text.find("excitation:");
   CaseFamily family{
       .name = "vehicle",
-      .structure = with(text.substr(begin, end - begin),
-                        {{"${MESH:-frame.msh}", std::string(KALFEM_SOURCE_DIR) + "/examples/vehicle/small.msh"},
-                         {"${CUT_OFF:-300}", "150"}}),
+      .structure =
+          with(text.substr(begin, end - begin),
+               {{"${MESH:-frame.msh}", source_folder() + "/examples/vehicle/small.msh"}, {"${CUT_OFF:-300}", "150"}}),
       .noise = 0.15,
       .simulate = "reference: superelement, modes_up_to: 600 Hz, integrator: generalized_alpha, tolerance: 1e-3",
       .duration = 3.0,

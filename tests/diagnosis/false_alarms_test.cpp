@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/places.hpp"
 #include "base/scratch_folder.hpp"
 #include "kalfem/pipeline/run_study.hpp"
 
@@ -12,7 +13,7 @@ namespace kalfem::test {
 namespace {
 
 std::string example(const std::string& name) {
-  std::ifstream file(std::string(KALFEM_SOURCE_DIR) + "/examples/" + name);
+  std::ifstream file(source_folder() + "/examples/" + name);
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
@@ -51,7 +52,7 @@ TEST(FalseAlarms, AreRareOnTheHystereticChain) {
 
 TEST(FalseAlarms, AreRareOnTheVehicle) {
   std::string text = example("vehicle/vehicle.yaml");
-  replace(text, "${MESH:-frame.msh}", std::string(KALFEM_SOURCE_DIR) + "/examples/vehicle/small.msh");
+  replace(text, "${MESH:-frame.msh}", source_folder() + "/examples/vehicle/small.msh");
   replace(text, "${REFERENCE:-full}", "superelement");
   replace(text, "${DURATION:-10}", "5");
   EXPECT_GE(consistent_part(text, "  seed: 5", 20), 0.95);

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <thread>
 
+#include "base/places.hpp"
 #include "cli/command.hpp"
 #include "cli/started_command.hpp"
 
@@ -12,7 +13,7 @@ namespace {
 
 /// The command with `launcher` before it; every matrix of the small vehicle is distributed where that is mpirun.
 std::string line_of(const std::string& launcher, const std::string& arguments, const std::filesystem::path& folder) {
-  return "env MESH=small.msh DURATION=3 KALFEM_DISTRIBUTED_ROWS=100 " + launcher + " " + KALFEM_COMMAND + " " +
+  return "env MESH=small.msh DURATION=3 KALFEM_DISTRIBUTED_ROWS=100 " + launcher + " " + command_file() + " " +
          arguments + " >" + (folder / "stdout.txt").string() + " 2>" + (folder / "stderr.txt").string();
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 
+#include "base/places.hpp"
 #include "cli/command.hpp"
 
 namespace kalfem::test {
@@ -10,7 +11,7 @@ namespace {
 /// Exit code and what was said; the folder gets the files of the sweep.
 Outcome sweep(const std::string& launcher, const std::string& arguments, const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
-  const std::string line = launcher + " " + KALFEM_COMMAND + " sweep " + arguments + " --out " + folder.string() +
+  const std::string line = launcher + " " + command_file() + " sweep " + arguments + " --out " + folder.string() +
                            " >" + (folder / "stdout.txt").string() + " 2>" + (folder / "stderr.txt").string();
   const int status = std::system(line.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(folder / "stdout.txt"), read(folder / "stderr.txt")};
@@ -67,7 +68,7 @@ TEST(SweepOnRanks, EndsWhereItsFolderCannotBeWritten) {
 TEST(SweepOnRanks, NamesARankWithAnotherSweep) {
   const ScratchFolder folder("other-sweep");
   // The second program of the launcher, which is rank 1, is given another number of seeds.
-  const std::string other = std::string(KALFEM_COMMAND) + " sweep " + example("start/chain/case.yaml") + " --seeds 4";
+  const std::string other = command_file() + " sweep " + example("start/chain/case.yaml") + " --seeds 4";
   const auto outcome = sweep(std::string(KALFEM_MPIRUN) + " -n 1 " + other + " : -n 1", of_the_chain(), folder / "out");
   EXPECT_EQ(outcome.code, 2) << outcome.errors;
   EXPECT_NE(outcome.errors.find("rank 1 of 2 has another sweep than rank 0"), std::string::npos) << outcome.errors;

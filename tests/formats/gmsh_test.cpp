@@ -1,5 +1,6 @@
 #include "kalfem/formats/gmsh/gmsh.hpp"
 #include "base/absent.hpp"
+#include "base/places.hpp"
 
 #include <gtest/gtest.h>
 
@@ -381,7 +382,7 @@ TEST(GmshText, DamagedFilesAreReadOrRefused) {
 }
 
 TEST(GmshExamples, TheVehicleFrameHasItsNodesGroupsAndPoints) {
-  const Mesh mesh = read_gmsh(fs::path(KALFEM_SOURCE_DIR) / "examples/vehicle/frame.msh");
+  const Mesh mesh = read_gmsh(fs::path(test::source_folder()) / "examples/vehicle/frame.msh");
   EXPECT_EQ(mesh.node_count(), 7594);  // 45,564 degrees of freedom
   EXPECT_TRUE(is_sound(mesh));
   EXPECT_EQ(mesh.regions.size(), 12u);

@@ -125,7 +125,8 @@ TEST_F(Hdf5FileTest, FailuresNameTheFileAndTheReason) {
   const auto contains = [](const std::string& text, const std::string& part) {
     return text.find(part) != std::string::npos ? testing::AssertionSuccess() : testing::AssertionFailure() << text;
   };
-  EXPECT_TRUE(contains(message([&] { (void)Hdf5File::open(path_); }), path_ + ": there is no such file"));
+  EXPECT_TRUE(contains(message([&] { (void)Hdf5File::open(path_); }),
+                       path_ + ": the file cannot be read: there is no such file"));
   EXPECT_TRUE(contains(message([] { (void)Hdf5File::create("/no/such/folder/x.h5"); }), "No such file or directory"));
   std::ofstream(path_) << "time,acceleration\n0,1\n";
   EXPECT_TRUE(contains(message([&] { (void)Hdf5File::open(path_); }), "file signature not found"));

@@ -52,7 +52,8 @@ std::string said_of(const Parse& parse) {
 
 TEST(IncludedText, OfAFileThatIsNoDeckNastranMessagesShowPlacesOnly) {
   const std::string grid = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\n";
-  for (const auto& content : strangers)
+  for (const auto& content : strangers) {
+    if (content.starts_with("INCLUDE")) continue;  // names the next file of the deck, which its message shows
     for (const std::string& deck :
          {"CEND\nBEGIN BULK\n" + grid + "INCLUDE 'other'\nENDDATA\n",
           "CEND\nINCLUDE 'other'\nBEGIN BULK\n" + grid + "ENDDATA\n",
@@ -65,6 +66,7 @@ TEST(IncludedText, OfAFileThatIsNoDeckNastranMessagesShowPlacesOnly) {
       });
       expect_hidden(text, content);
     }
+  }
 }
 
 TEST(IncludedText, OfAFileThatIsNoDeckAbaqusMessagesShowPlacesOnly) {

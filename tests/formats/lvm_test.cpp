@@ -70,6 +70,34 @@ TEST_F(LvmFiles, KeepTheirIntervalAndUnits) {
   EXPECT_TRUE(file.notes.empty());
 }
 
+// "Separator,," and "Separator;;" write the separator as itself, with and without the cell behind it.
+TEST_F(LvmFiles, NameTheirSeparatorOrWriteItAsItself) {
+  const std::string text = file_header() + segment("3\t3", "0\t1.5\t4\r\n0.1\t2.5\t5\r\n0.2\t3.5\t6\r\n");
+  for (const char separator : {'\t', ',', ';'}) {
+    for (const std::string& said : {std::string(separator == '\t'  ? "Tab"
+                                                : separator == ',' ? "Comma"
+                                                                   : "Semicolon"),
+                                    std::string(1, separator), std::string()}) {
+      std::string written = text;
+      written.replace(written.find("Tab"), 3, said);
+      std::ranges::replace(written, '\t', separator);
+      const auto file = read(written);
+      ASSERT_EQ(file.channels.size(), 2u) << separator << said;
+      EXPECT_EQ(values(file, 0), (Numbers{1.5, 2.5, 3.5})) << separator << said;
+      EXPECT_EQ(values(file, 1), (Numbers{4, 5, 6})) << separator << said;
+      EXPECT_EQ(file.channels[0].name, "a") << separator << said;
+    }
+  }
+}
+
+TEST_F(LvmFiles, HaveDecimalCommasBehindASemicolon) {
+  std::string text = file_header("One", ";", ",") + segment("2\t2", "0\t1,5\t4\r\n0,1\t2,5\t5\r\n");
+  std::ranges::replace(text, '\t', ';');
+  const auto file = read(text);
+  ASSERT_EQ(file.channels.size(), 2u);
+  EXPECT_EQ(values(file, 0), (Numbers{1.5, 2.5}));
+}
+
 TEST_F(LvmFiles, LoseTheLastLineOnlyWhereItWasCut) {
   const std::string rows = "0\t1\t4\t\r\n0.1\t2\t5\t\r\n";
   for (const std::string last : {"0.2", "0.2\t3", "0.2\t3\t6"}) {

@@ -148,6 +148,121 @@ TEST_P(MatlabFiles, WholeNumbersAndComplexFunctions) {
   EXPECT_EQ(file.functions[0].values[1], std::complex<double>(2, 4));
 }
 
+matvar_t* complex_array(const char* name, std::vector<std::size_t> lengths, const Numbers& real) {
+  Numbers re = real, im(real.size());
+  for (std::size_t i = 0; i < re.size(); ++i) im[i] = -re[i];
+  mat_complex_split_t parts{re.data(), im.data()};
+  return Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, static_cast<int>(lengths.size()), lengths.data(), &parts,
+                       MAT_F_COMPLEX);
+}
+
+Numbers counted(std::size_t count, double step = 1.0) {
+  Numbers values(count);
+  for (std::size_t i = 0; i < count; ++i) values[i] = step * double(i);
+  return values;
+}
+
+// Of frequencies nobody uses the same name; a step in place of the vector is as good.
+TEST_P(MatlabFiles, FrequenciesStandBesideComplexArraysUnderManyNames) {
+  const Numbers lines = counted(5, 2.5);
+  for (const char* name : {"f", "freqs", "Frequency_Hz", "fvec", "frequenz", "xdata", "abscissa_of_it"}) {
+    const auto file = read({complex_array("H", {5, 1}, counted(5)), column(name, lines), column("a", {3, 1, 2})});
+    ASSERT_EQ(file.functions.size(), 1u) << name;
+    EXPECT_EQ(Numbers(file.functions[0].lines.begin(), file.functions[0].lines.end()), lines) << name;
+    EXPECT_EQ(file.functions[0].values[2], std::complex<double>(2, -2)) << name;
+    ASSERT_EQ(file.channels.size(), 1u) << name << ": frequencies are no channel";
+    EXPECT_EQ(file.channels[0].name, "a");
+  }
+  const auto angular = read({complex_array("H", {1, 5}, counted(5)), column("omega", lines)});
+  ASSERT_EQ(angular.functions.size(), 1u);
+  EXPECT_NEAR(angular.functions[0].lines[4], 10.0 / (2.0 * 3.14159265358979), 1e-12);
+  EXPECT_EQ(angular.notes.size(), 1u);
+  const auto stepped = read({complex_array("H", {5, 1}, counted(5)), scalar("df", 2.5)});
+  ASSERT_EQ(stepped.functions.size(), 1u);
+  EXPECT_EQ(stepped.functions[0].lines[4], 10.0);
+  const auto axis = read({structure("FRF", 1,
+                                    {structure("x_values", 1, {scalar("start_value", 5.0), scalar("increment", 0.5)}),
+                                     structure("y_values", 1, {complex_array("values", {5, 1}, counted(5))})})});
+  ASSERT_EQ(axis.functions.size(), 1u);
+  EXPECT_EQ(axis.functions[0].lines[4], 7.0);
+}
+
+// Response x reference x line, as objects of the Control System Toolbox have it, and line first.
+TEST_P(MatlabFiles, ComplexArraysMayHaveMoreDimensions) {
+  const auto last = read({complex_array("H", {2, 3, 5}, counted(30)), column("f", counted(5))});
+  ASSERT_EQ(last.functions.size(), 6u);
+  EXPECT_EQ(last.functions[3].name, "H_2_2");
+  EXPECT_EQ(last.functions[3].values[4].real(), 1 + 2 * 1 + 6 * 4);
+  const auto first = read({complex_array("H", {5, 2, 3}, counted(30)), column("f", counted(5))});
+  ASSERT_EQ(first.functions.size(), 6u);
+  EXPECT_EQ(first.functions[3].name, "H_2_2");
+  EXPECT_EQ(first.functions[3].values[4].real(), 4 + 5 * 1 + 10 * 1);
+  const auto single = read({complex_array("H", {1, 1, 5}, counted(5)), column("f", counted(5))});
+  ASSERT_EQ(single.functions.size(), 1u);
+  EXPECT_EQ(single.functions[0].name, "H");
+  const auto without = read({complex_array("H", {2, 3, 5}, counted(30)), column("a", {1, 2})});
+  ASSERT_EQ(without.skipped.size(), 1u);
+  EXPECT_EQ(without.skipped[0], "'H' is complex (2 x 3 x 5), without a vector of frequencies of one of its lengths");
+}
+
+matvar_t* cells(const char* name, const std::vector<matvar_t*>& elements) {
+  std::size_t lengths[] = {1, elements.size()};
+  return Mat_VarCreate(name, MAT_C_CELL, MAT_T_CELL, 2, lengths, const_cast<matvar_t**>(elements.data()), 0);
+}
+
+TEST_P(MatlabFiles, OneUnitIsNotThatOfSeveralSeries) {
+  const Numbers t = {0, 1, 2}, a = {5, 3, 4}, f = {1, 7, 2};
+  const auto units_of = [&](std::vector<matvar_t*> more) {
+    more.insert(more.begin(), {column("t", t), column("acc", a), column("force", f)});
+    const auto file = read({structure("run", 1, more)});
+    EXPECT_TRUE(file.skipped.empty()) << file.skipped.front();
+    return std::pair(named(file, "run.acc").unit + "|" + named(file, "run.force").unit, file.notes);
+  };
+  const auto [single, notes] = units_of({text("units", "m/s^2")});
+  EXPECT_EQ(single, "|");
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("'run.units' states one unit, 'm/s^2', beside 2 series (acc, force): it is not used"),
+            std::string::npos)
+      << notes[0];
+  EXPECT_EQ(units_of({text("units", "m/s^2, N")}).first, "m/s^2|N");
+  EXPECT_EQ(units_of({text("acc_unit", "g"), text("unit_force", "kN")}).first, "g|kN");
+  EXPECT_EQ(units_of({structure("units", 1, {text("force", "N"), text("acc", "g")})}).first, "g|N");
+  if (GetParam() == MAT_FT_MAT5) {
+    EXPECT_EQ(units_of({cells("units", {text("", "g"), text("", "N")})}).first, "g|N");
+  }
+  const auto [three, told] = units_of({text("units", "g, N, V")});
+  EXPECT_EQ(three, "|");
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told[0].find("'run.units' lists 3 units"), std::string::npos) << told[0];
+}
+
+TEST_P(MatlabFiles, UnitsOfAMatrixAreOneAColumnOrOneForAll) {
+  const auto unit = [&](const std::string& units) {
+    return read(
+        {structure("run", 1, {scalar("fs", 10.0), numbers("y", 3, 2, {1, 9, 3, 4, 2, 6}), text("units", units)})});
+  };
+  const auto each = unit("g; N");
+  EXPECT_EQ(each.channels[0].unit + each.channels[1].unit, "gN");
+  EXPECT_TRUE(each.notes.empty());
+  const auto all = unit("g");
+  EXPECT_EQ(all.channels[0].unit + all.channels[1].unit, "gg");
+  ASSERT_EQ(all.notes.size(), 1u);
+  EXPECT_NE(all.notes[0].find("it is taken for all 2 channels of 'y'"), std::string::npos) << all.notes[0];
+}
+
+TEST_P(MatlabFiles, SayThatAWideMatrixIsTurned) {
+  const auto turned = read({scalar("fs", 10.0), numbers("y", 2, 3, {1, 4, 2, 5, 3, 6})});
+  ASSERT_EQ(turned.notes.size(), 1u);
+  EXPECT_NE(turned.notes[0].find("'y' has 2 rows and 3 columns: each row is taken as a channel"), std::string::npos);
+  const auto timed = read({column("t", {0, 1, 2}), numbers("y", 2, 3, {1, 4, 2, 5, 3, 6})});
+  EXPECT_TRUE(timed.notes.empty());
+  const auto by_units = read(
+      {structure("run", 1, {scalar("fs", 10.0), numbers("y", 2, 3, {1, 4, 2, 5, 3, 6}), text("units", "g, N, V")})});
+  ASSERT_EQ(by_units.channels.size(), 3u) << "three units name three columns";
+  EXPECT_EQ(by_units.channels[2].unit, "V");
+  EXPECT_TRUE(by_units.notes.empty());
+}
+
 TEST_P(MatlabFiles, WhatIsNoSeriesIsListed) {
   std::size_t lengths[] = {2, 2, 2};
   Numbers eight(8, 1.0);
@@ -222,6 +337,22 @@ TEST(MatlabObjects, AreNamedWithTheirClass) {
   ASSERT_GE(file.skipped.size(), 2u);
   EXPECT_EQ(file.skipped[0], "'label' is a MATLAB object of class string: save it as an array");
   EXPECT_EQ(file.skipped[1], "'T' is a MATLAB object of class table: save it as an array");
+}
+
+// A text of five characters whose data state to take a gigabyte: room is made for what is in the file only.
+TEST(MatlabFileCut, DoesNotBelieveTheLengthOfATag) {
+  const auto characters = [](std::uint32_t stated) {
+    return element(14, element(6, raw<std::uint32_t>({4, 0})) + element(5, raw<std::int32_t>({1, 5})) +
+                           element(1, "txt") + raw<std::uint32_t>({16, double(stated)}) +
+                           std::string("hello\0\0\0", 8));
+  };
+  const auto sound = read_bytes(version_5(vector_5("a", {1, 2}) + characters(5)));
+  EXPECT_EQ(sound.skipped, std::vector<std::string>{"'txt' is text"});
+  const auto damaged = read_bytes(version_5(vector_5("a", {1, 2}) + characters(1 << 30)));
+  EXPECT_EQ(damaged.channels.size(), 1u);
+  ASSERT_EQ(damaged.skipped.size(), 1u);
+  EXPECT_NE(damaged.skipped[0].find("is damaged: it and what follows are left out"), std::string::npos)
+      << damaged.skipped[0];
 }
 
 TEST(MatlabFileCut, KeepsWhatIsBeforeAndSaysSo) {

@@ -71,6 +71,18 @@ TEST_F(TableMesh, ReadsTablesWithoutTitlesInTheirOrder) {
   EXPECT_TRUE(mesh.regions.contains("bar"));
 }
 
+TEST_F(TableMesh, ColumnsThatAreNotReadAreTold) {
+  std::vector<DeckNote> notes;
+  read("node,x,y,z\n1,0,0,0\n2,1,0,0\n", one_element, {.notes = &notes});
+  EXPECT_TRUE(notes.empty());
+  read("node,x,y,z,temperature\n1,0,0,0,20\n2,1,0,0,20\n", "element,node1,node2,region,roll\n1,1,2,bar,30\n",
+       {.notes = &notes});
+  ASSERT_EQ(notes.size(), 2u);
+  EXPECT_EQ(notes[0].what, "column 'temperature'");
+  EXPECT_EQ(notes[1].what, "column 'roll'");
+  EXPECT_NE(notes[1].where.file.find("elements.csv"), std::string::npos);
+}
+
 TEST_F(TableMesh, ScaleAndUnitsExcludeEachOther) {
   EXPECT_EQ(read(two_nodes, one_element, {.scale = 0.001}).nodes(0, 1), 0.001);
   expect_parts(message("node,x_mm,y,z\n1,0,0,0\n", one_element, {.scale = 0.001}),

@@ -48,7 +48,8 @@ Vector3d loads_by_weights(const Vector3d& w) {
   return w.asDiagonal() * (places * Matrix3d(places.transpose() * w.asDiagonal() * places).inverse() * follower);
 }
 
-/// Three nodes carry a force by levers alone; with a fourth node the weights show.
+/// In a deck of Abaqus: CalculiX shares forces without moments. Three nodes carry a force by levers alone; with a
+/// fourth node the weights show.
 TEST(DistributingCouplings, ShareByUnequalWeights) {
   const std::string fourth =
       "*NODE\n4, 2, 3, 0\n*NSET, NSET=four\n4\n*ELEMENT, TYPE=SPRING1, ELSET=k4\n44, 4\n*SPRING, ELSET=k4\n3\n100.\n";
@@ -64,7 +65,7 @@ TEST(DistributingCouplings, ShareByUnequalWeights) {
                     (places * Matrix3d(places.transpose() * w.asDiagonal() * places).inverse() * follower));
   };
   const auto coupling = [](const std::string& weights) {
-    return "*ELEMENT, TYPE=DCOUP3D, ELSET=d\n90, 9\n*DISTRIBUTING COUPLING, ELSET=d\n" + weights;
+    return "*PREPRINT\n*ELEMENT, TYPE=DCOUP3D, ELSET=d\n90, 9\n*DISTRIBUTING COUPLING, ELSET=d\n" + weights;
   };
   const Eigen::Vector4d even = Eigen::Vector4d::Ones(), uneven(1, 2, 3, 5);
   EXPECT_LT((loads(coupling("one, 1.\ntwo, 1.\nthree, 1.\nfour, 1.\n")) - expected(even)).norm(), rounding);

@@ -1,4 +1,5 @@
 #include "kalfem/report/structure_scene.hpp"
+#include "kalfem/pipeline/run_study.hpp"
 
 #include <gtest/gtest.h>
 

@@ -30,7 +30,7 @@ std::vector<std::string> lines_of(const std::vector<SweepRun>& runs) {
 }
 
 TEST_F(SweepByNumbers, AnyOrderGivesTheSameRuns) {
-  Sweep whole(plan()), by_numbers(plan());
+  CaseSweep whole(plan()), by_numbers(plan());
   const auto expected = lines_of(whole.run({.threads = 2}));
   EXPECT_EQ(whole.identity(), by_numbers.identity());
   ASSERT_EQ(expected.size(), 6U);
@@ -39,7 +39,7 @@ TEST_F(SweepByNumbers, AnyOrderGivesTheSameRuns) {
 }
 
 TEST_F(SweepByNumbers, ACombinationThatCannotBeRunSaysWhyInEachRun) {
-  Sweep sweep(plan());
+  CaseSweep sweep(plan());
   for (const std::size_t number : {2U, 3U}) {
     const SweepRun run = sweep.run_one(number);
     EXPECT_NE(run.refused.find("simulate.duration"), std::string::npos) << run.refused;
@@ -49,7 +49,7 @@ TEST_F(SweepByNumbers, ACombinationThatCannotBeRunSaysWhyInEachRun) {
 }
 
 TEST_F(SweepByNumbers, KnownRunsAreNotMadeAgain) {
-  Sweep sweep(plan());
+  CaseSweep sweep(plan());
   SweepRun known = sweep.run_one(1);
   known.summary = "{}";
   std::vector<std::size_t> made;
@@ -60,7 +60,7 @@ TEST_F(SweepByNumbers, KnownRunsAreNotMadeAgain) {
 }
 
 TEST_F(SweepByNumbers, ARunThatIsNotThereIsRefused) {
-  Sweep sweep(plan());
+  CaseSweep sweep(plan());
   EXPECT_THROW(
       {
         try {
@@ -74,13 +74,13 @@ TEST_F(SweepByNumbers, ARunThatIsNotThereIsRefused) {
 }
 
 TEST_F(SweepByNumbers, WhatChangesARunChangesTheIdentity) {
-  const std::string identity = Sweep(plan()).identity();
+  const std::string identity = CaseSweep(plan()).identity();
   auto other = plan();
   other.changes = {{"estimate.settle", "0.2s"}};
-  EXPECT_NE(Sweep(other).identity(), identity);
+  EXPECT_NE(CaseSweep(other).identity(), identity);
   other = plan();
   other.seeds = 3;
-  EXPECT_NE(Sweep(other).identity(), identity);
+  EXPECT_NE(CaseSweep(other).identity(), identity);
 }
 
 TEST_F(SweepByNumbers, AReferenceIsSharedWhereEstimateAloneDiffers) {

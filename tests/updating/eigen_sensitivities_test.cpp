@@ -1,7 +1,9 @@
 #include "kalfem/updating/eigen_sensitivities.hpp"
+#include "kalfem/linalg/lowest_modes.hpp"
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "model/fe_models.hpp"

@@ -1,7 +1,10 @@
 #include "kalfem/updating/modal_residual.hpp"
+#include "kalfem/linalg/lowest_modes.hpp"
+#include "kalfem/model/assembly/assembly.hpp"
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "kalfem/base/invalid_input.hpp"

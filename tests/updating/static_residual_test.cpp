@@ -1,6 +1,9 @@
 #include "kalfem/updating/static_residual.hpp"
+#include "kalfem/model/assembly/assembly.hpp"
 
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 #include "kalfem/base/invalid_input.hpp"
 #include "model/fe_models.hpp"

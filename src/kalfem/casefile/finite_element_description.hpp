@@ -104,6 +104,7 @@ struct DeckFile {
   DeckFormat format = DeckFormat::automatic;
   UnitSystem units;
   std::optional<double> temperature;  ///< of the materials, in the deck's unit; if empty, as the deck says
+  std::optional<int> subcase;         ///< of Nastran, whose structure is meant; if empty, as DeckOptions says
   std::vector<Name> accept_missing;   ///< cards or keywords with stiffness, mass or connections that are not read
 };
 /// Stiffness, mass and damping in one file or several, by the names of the matrices in the file.

@@ -218,6 +218,9 @@ Schema<FiniteElements> finite_elements() {
           .optional("temperature", &DeckFile::temperature, number("-"),
                     "temperature at which materials that depend on it are taken, in the deck's unit of temperature; "
                     "default: the initial temperature in the deck")
+          .optional("subcase", &DeckFile::subcase, integer(1, 99999999),
+                    "SUBCASE of a Nastran deck whose supports, MPC, direct matrices, temperature and preload the model "
+                    "has, and whose load case `deck_cases` reads; default: the first one with METHOD, or the first one")
           .optional("accept_missing", &DeckFile::accept_missing, one_or_list(name()),
                     "cards or keywords with stiffness, mass or connections that kalfem cannot read and that may be "
                     "left out of the model, such as CBEND");

@@ -72,7 +72,7 @@ Schema<Substructure> substructure() {
                     "reduction of the finite-element model inside the filter's model")
           .optional("preload", &Substructure::preload, name(),
                     "load case of `static` whose stresses the finite elements carry: tension makes them stiffer, "
-                    "compression softer"));
+                    "compression softer; default: that which the deck states (STATSUB of Nastran)"));
 }
 
 }  // namespace kalfem::description

@@ -58,8 +58,8 @@ ModeSelection modes_for(const ReductionRequest& request, double bandwidth) {
 
 // Where the units are in doubt they are told first: constraints and springs in wrong units look like mechanisms.
 void require_no_mechanism(const FiniteElementModel& elements, const AssembledModel& assembled,
-                          const SparseMatrix& stiffness) {
-  const auto free = find_mechanisms(elements, assembled, stiffness);
+                          const SparseMatrix& stiffness, bool each_part) {
+  const auto free = find_mechanisms(elements, assembled, stiffness, each_part);
   if (free.empty()) return;
   std::string names;
   for (std::size_t i = 0; i < std::min<std::size_t>(free.size(), 10); ++i) names += (i == 0 ? "" : ", ") + free[i];
@@ -93,12 +93,12 @@ void require_stable(const FiniteElementPart& part, const SparseMatrix& stiffness
 /// The factor of K, which shows at once that the part is neither a mechanism nor beyond its buckling load; where there
 /// is none, the cause is looked for.
 std::shared_ptr<const StiffnessFactor> checked_factor(const FiniteElementPart& part, const SparseMatrix& stiffness,
-                                                      const SparseMatrix& mass) {
+                                                      const SparseMatrix& mass, bool each_part) {
   if (part.elements.mesh.cells.empty() && part.preload_stiffness.size() == 0) return nullptr;
-  if (auto factor = factor_held(part.elements, part.assembled, stiffness, mass))
+  if (auto factor = factor_held(part.elements, part.assembled, stiffness, mass, each_part))
     return std::make_shared<const StiffnessFactor>(std::move(*factor));
   if (part.preload_stiffness.size() > 0) require_stable(part, stiffness);
-  if (!part.elements.mesh.cells.empty()) require_no_mechanism(part.elements, part.assembled, stiffness);
+  if (!part.elements.mesh.cells.empty()) require_no_mechanism(part.elements, part.assembled, stiffness, each_part);
   return nullptr;
 }
 
@@ -115,8 +115,11 @@ SparseMatrix sum_of(std::vector<AffineTerm>& terms, const AssembledModel& assemb
 // At the present values K and M exist once, in the full model.
 void assemble_part(FiniteElementPart& part, AssemblyOptions options) {
   SparseMatrix stiffness, mass;
+  std::vector<Index> joined;
+  for (const auto& dof : options.independent) joined.push_back(dof.node);
+  bool each_part = false;
   part.times.measure("assemble", [&] {
-    require_connected(part.elements);
+    each_part = require_connected(part.elements, joined);
     part.assembled = assemble(part.elements, options);
     if (part.assembled.size() == 0)
       throw InvalidInput("nothing of substructure '" + part.name + "' can move",
@@ -125,8 +128,8 @@ void assemble_part(FiniteElementPart& part, AssemblyOptions options) {
     stiffness = sum_of(part.assembled.stiffness, part.assembled, options.at_present_values);
     mass = sum_of(part.assembled.mass, part.assembled, options.at_present_values);
   });
-  part.times.measure("factor", [&] { part.factor = checked_factor(part, stiffness, mass); });
-  part.mass = mass_properties(part.assembled);
+  part.times.measure("factor", [&] { part.factor = checked_factor(part, stiffness, mass, each_part); });
+  part.mass = mass_properties(part.elements, part.assembled, mass);
   part.moving_mass = moving_mass(part.elements, part.assembled, mass);
   part.full = linear_model(part.elements, part.assembled, std::move(stiffness), std::move(mass), part.nodes,
                            part.damping.rayleigh);

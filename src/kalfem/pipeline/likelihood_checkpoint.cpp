@@ -5,8 +5,10 @@
 #include <bit>
 #include <charconv>
 #include <cstdint>
+#include <sstream>
 
 #include "kalfem/base/atomic_file.hpp"
+#include "kalfem/base/regular_file.hpp"
 #include "kalfem/pipeline/updating_checkpoint.hpp"
 
 namespace kalfem {
@@ -41,7 +43,7 @@ LikelihoodCheckpoint::LikelihoodCheckpoint(const std::filesystem::path& folder)
 }
 
 void LikelihoodCheckpoint::read() {
-  std::ifstream stream(file_);
+  std::istringstream stream(std::filesystem::exists(file_) ? read_bytes(file_) : "");
   for (std::string line; std::getline(stream, line) && !stream.eof();) {
     const auto space = line.find(' ');
     if (space == std::string::npos) continue;

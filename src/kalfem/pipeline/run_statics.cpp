@@ -28,7 +28,7 @@ StaticCaseOutcome run_case(const StaticsPlan& plan, std::size_t number) {
   const auto& load_case = plan.analysis->cases()[number];
   const auto& model = plan.analysis->model();
   StaticCaseOutcome outcome{.solution = plan.analysis->solve(number)};
-  outcome.stresses = recover_stresses(model, outcome.solution.displacements, load_case.field());
+  outcome.stresses = recover_stresses(model, outcome.solution.displacements, load_case.field(), load_case.beam_loads);
   for (const auto& region : outcome.stresses) {
     outcome.nodal.push_back(nodal_stresses(model.mesh, region));
     if (auto peak = stress_peak(model.mesh, region, outcome.nodal.back())) outcome.peaks.push_back(std::move(*peak));

@@ -1,12 +1,12 @@
 #include "kalfem/pipeline/simulation_checkpoint.hpp"
 
 #include <concepts>
-#include <fstream>
 #include <sstream>
 #include <type_traits>
 
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/hash.hpp"
+#include "kalfem/base/regular_file.hpp"
 #include "kalfem/base/version.hpp"
 #include "kalfem/pipeline/binary_archive.hpp"
 #include "kalfem/pipeline/reported_quantities.hpp"
@@ -138,9 +138,7 @@ SimulationCheckpoint::SimulationCheckpoint(const std::filesystem::path& folder, 
 
 std::optional<FinishedSimulation> SimulationCheckpoint::read() const {
   if (std::error_code error; file_.empty() || !std::filesystem::is_regular_file(file_, error)) return std::nullopt;
-  std::ostringstream stream;
-  stream << std::ifstream(file_, std::ios::binary).rdbuf();
-  const std::string whole = std::move(stream).str();
+  const std::string whole = bytes_if_readable(file_);
   try {
     FinishedSimulation simulation;
     std::string fingerprint, content, hash;

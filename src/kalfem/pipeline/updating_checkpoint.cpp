@@ -2,10 +2,10 @@
 
 #include <bit>
 #include <cstdint>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "kalfem/base/atomic_file.hpp"
+#include "kalfem/base/regular_file.hpp"
 #include "kalfem/base/version.hpp"
 
 namespace kalfem {
@@ -113,8 +113,7 @@ UpdatingCheckpoint::UpdatingCheckpoint(const std::filesystem::path& folder, std:
 std::optional<UpdatingCheckpoint::Content> UpdatingCheckpoint::read() const {
   if (file_.empty() || !std::filesystem::exists(file_)) return std::nullopt;
   try {
-    std::ifstream stream(file_);
-    const Json json = Json::parse(stream);
+    const Json json = Json::parse(bytes_if_readable(file_));
     if (json.at("fingerprint") != fingerprint_) return std::nullopt;
     Content content{state_from(json.at("state")), {}};
     require_whole(content.state, parameters_);

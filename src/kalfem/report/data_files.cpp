@@ -5,22 +5,25 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <memory>
 #include <vector>
+
+#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/formats/mapped_file.hpp"
 
 namespace kalfem {
 
 namespace fs = std::filesystem;
 
 std::string sha256_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
   const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> digest(EVP_MD_CTX_new(), &EVP_MD_CTX_free);
-  if (!stream || !digest || EVP_DigestInit_ex(digest.get(), EVP_sha256(), nullptr) != 1) return "";
-  std::vector<char> block(1 << 16);
-  while (stream.read(block.data(), static_cast<std::streamsize>(block.size())) || stream.gcount() > 0)
-    EVP_DigestUpdate(digest.get(), block.data(), static_cast<std::size_t>(stream.gcount()));
-  if (stream.bad()) return "";
+  if (!digest || EVP_DigestInit_ex(digest.get(), EVP_sha256(), nullptr) != 1) return "";
+  try {
+    const MappedFile mapped(file);
+    EVP_DigestUpdate(digest.get(), mapped.bytes().data(), mapped.bytes().size());
+  } catch (const InvalidInput&) {
+    return "";
+  }
   std::array<unsigned char, EVP_MAX_MD_SIZE> bytes{};
   unsigned int count = 0;
   EVP_DigestFinal_ex(digest.get(), bytes.data(), &count);

@@ -1,10 +1,9 @@
 #include "kalfem/report/finished_run.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
+#include "kalfem/base/regular_file.hpp"
 #include "kalfem/base/version.hpp"
 
 namespace kalfem {
@@ -156,12 +155,6 @@ FinishedRun run_of(const Json& summary) {
   return run;
 }
 
-std::string text_of(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
-
 [[noreturn]] void fail(const fs::path& place, const std::string& what, const std::string& why, const std::string& fix) {
   throw InvalidInput(Issue{{place.string(), 0}, what, why, fix});
 }
@@ -219,7 +212,7 @@ FinishedRun read_finished_run(const fs::path& folder) {
   if (!fs::is_directory(folder, error)) fail(folder, "it is no folder", "", how_to_name_a_folder);
   if (!fs::is_regular_file(file, error))
     fail(folder, "it holds no results of a run", "summary.json is missing", how_to_name_a_folder);
-  FinishedRun run = finished_run_of(text_of(file), file);
+  FinishedRun run = finished_run_of(read_bytes(file), file);
   run.folder = folder;
   return run;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "kalfem/model/finite_element_model.hpp"
 #include "kalfem/model/gauges/nearest_place.hpp"
@@ -57,6 +58,15 @@ std::vector<PlacedDof> places_of(const FiniteElementPart& part) {
   return places;
 }
 
+/// Nodes at which the rest of the structure joins the part.
+std::vector<Index> joined_nodes(const FiniteElementPart& part) {
+  std::vector<Index> nodes;
+  const std::set<std::string> boundary(part.boundary.begin(), part.boundary.end());
+  for (const auto& dof : part.assembled.dofs)
+    if (boundary.contains(dof_name(part.elements.mesh, dof))) nodes.push_back(dof.node);
+  return nodes;
+}
+
 /// What speaks against the model first, each kind in the order of the deck.
 std::vector<DeckNote> by_weight(std::vector<DeckNote> notes) {
   std::ranges::stable_sort(notes, std::greater{}, &DeckNote::kind);
@@ -65,12 +75,16 @@ std::vector<DeckNote> by_weight(std::vector<DeckNote> notes) {
 
 }  // namespace
 
-ModelCheckReport model_check_of(const FiniteElementPart& part, const ModelCheckOptions& options) {
+ModelCheckReport model_check_of(const FiniteElementPart& part, const ModelCheckOptions& given) {
+  ModelCheckOptions options = given;
+  const auto joined = joined_nodes(part);
+  options.joined.insert(options.joined.end(), joined.begin(), joined.end());
   if (part.elements.mesh.cells.empty() && !part.elements.matrices.empty())
     return check_model(part.full, places_of(part), options);
   // The stiffness of a preload resists turns of the whole: the elements are checked without it.
   if (part.preload_stiffness.size() > 0) return check_model(part.elements, assemble(part.elements), options);
-  return check_model(part.elements, with_terms(part), options);
+  options.factor = part.factor;
+  return check_model(part.elements, part.assembled, part.full.stiffness, part.full.mass, options);
 }
 
 Table findings_table(const ModelCheckReport& report) {
@@ -188,8 +202,7 @@ std::string model_check_text(const ModelCheckReport& report, const std::vector<D
   const auto add_note = [&](const DeckNote& note) {
     const bool is_missing = note.kind == DeckNoteKind::missing;
     text += std::string(to_string(note.kind)) + ": " +
-            to_string(Issue{note.where, note.what + (note.count > 1 ? fmt::format(" ({} times)", note.count) : ""),
-                            note.consequence,
+            to_string(Issue{note.where, note_subject(note), note.consequence,
                             is_missing ? "to accept this in a case: accept_missing: [" + note.what + "]" : ""}) +
             "\n";
   };

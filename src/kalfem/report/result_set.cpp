@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "kalfem/base/atomic_file.hpp"
+#include "kalfem/base/regular_file.hpp"
 #include "kalfem/base/text.hpp"
 #include "kalfem/formats/vtu.hpp"
 #include "kalfem/pipeline/likelihood_checkpoint.hpp"
@@ -51,8 +52,7 @@ void write_fields(const std::string& folder, const Study& study, const StudyResu
     for (const auto& series : results.fields)
       if (series.substructure == elements.part->name) write_series(folder, *elements.part, series);
   }
-  if (results.statics && !study.statics->part->elements.mesh.cells.empty())
-    write_static_fields(folder, *study.statics, *results.statics);
+  if (results.statics) write_static_fields(folder, *study.statics, *results.statics);
 }
 
 using Json = nlohmann::ordered_json;
@@ -76,8 +76,7 @@ bool may_be_written(const std::string& name) {
 }
 
 std::optional<Json> summary_in(const fs::path& folder) {
-  std::ifstream stream(folder / "summary.json");
-  Json summary = Json::parse(stream, nullptr, false);
+  Json summary = Json::parse(bytes_if_readable(folder / "summary.json"), nullptr, false);
   return summary.is_object() ? std::optional(std::move(summary)) : std::nullopt;
 }
 

@@ -5,9 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
+#include <sstream>
 
+#include "kalfem/base/regular_file.hpp"
 #include "kalfem/report/run_series.hpp"
 
 namespace kalfem {
@@ -31,7 +32,7 @@ std::vector<std::string> labels_of(const std::vector<FinishedRun>& runs) {
 /// The sections of the case that the run used, each with its text. A section starts at a line without indent.
 std::map<std::string, std::string> sections_of(const FinishedRun& run) {
   std::map<std::string, std::string> sections;
-  std::ifstream stream(run.folder / "case.resolved.yaml");
+  std::istringstream stream(bytes_if_readable(run.folder / "case.resolved.yaml"));
   std::string section;
   for (std::string line; std::getline(stream, line);) {
     if (line.starts_with('#') || line.empty()) continue;

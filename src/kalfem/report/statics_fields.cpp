@@ -1,3 +1,4 @@
+#include <array>
 #include <cmath>
 
 #include "kalfem/formats/vtu.hpp"
@@ -50,6 +51,23 @@ void add_known(const std::string& name, MatrixXd values, std::vector<CellField>&
   if (!values.array().isNaN().all()) fields.push_back({name, std::move(values)});
 }
 
+/// The mesh; of a model without elements the lines of its springs and joints, so that its nodes are seen.
+Mesh shown_mesh(const FiniteElementModel& model) {
+  Mesh mesh = model.mesh;
+  if (!mesh.cells.empty()) return mesh;
+  const auto add_line = [&](Index from, Index to) {
+    const std::array nodes = {from, to};
+    if (from != to) mesh.add_cell(CellShape::line2, static_cast<std::int64_t>(mesh.cells.size()) + 1, nodes);
+  };
+  for (const auto& spring : model.springs)
+    if (spring.to) add_line(spring.from.node, spring.to->node);
+  for (const auto& joint : model.joints)
+    if (!joint.deformation.empty()) add_line(joint.deformation.front().first.node, joint.deformation.back().first.node);
+  for (const auto& matrices : model.matrices)
+    if (!matrices.dofs.empty()) add_line(matrices.dofs.front().node, matrices.dofs.back().node);
+  return mesh;
+}
+
 }  // namespace
 
 void write_static_fields(const std::filesystem::path& folder, const StaticsPlan& plan, const StaticsOutcome& outcome) {
@@ -65,7 +83,7 @@ void write_static_fields(const std::filesystem::path& folder, const StaticsPlan&
     add_known(prefix + "strain", std::move(tensors.strain), cells);
     add_known(prefix + "axial stress of beams", std::move(tensors.axial), cells);
   }
-  write_vtu(folder / (outcome.substructure + "_static.vtu"), mesh, nodal, cells);
+  write_vtu(folder / (outcome.substructure + "_static.vtu"), shown_mesh(plan.part->elements), nodal, cells);
 }
 
 }  // namespace kalfem

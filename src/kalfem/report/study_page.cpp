@@ -284,7 +284,9 @@ Page make_page(const Study& study, const StudyResults& results) {
   for (std::size_t i = 0; i < study.structure->finite_elements.size(); ++i) {
     const FiniteElementPart& part = *study.structure->finite_elements[i].part;
     page.sections.push_back(model_check_section(
-        part.name, part.elements, model_check_of(part, {.mechanisms = false, .definiteness = false, .frequencies = 0}),
+        part.name, part.elements,
+        model_check_of(part,
+                       {.mechanisms = false, .definiteness = false, .frequencies = 0, .needs_mass = !study.statics}),
         study.element_notes[i].notes));
   }
   page.sections.push_back(provenance_section(study, results));

@@ -168,7 +168,7 @@ std::optional<SweepRun> sweep_run_of(const std::string& line) try {
 
 /// Combinations, each made by the first run that asks for it. Those that were asked for last are kept: runs come nearly
 /// in the order of their numbers, in which seeds change fastest.
-class Sweep::Combinations {
+class CaseSweep::Combinations {
 public:
   explicit Combinations(SweepPlan plan) : plan_(std::move(plan)), places_(plan_.combinations()) {
     const auto first = std::make_shared<Combination>(Combination{read(0)});
@@ -235,18 +235,18 @@ private:
   std::mutex keeping_, reading_;
 };
 
-Sweep::Sweep(SweepPlan plan) {
+CaseSweep::CaseSweep(SweepPlan plan) {
   check(plan);
   combinations_ = std::make_unique<Combinations>(std::move(plan));
 }
 
-Sweep::~Sweep() = default;
+CaseSweep::~CaseSweep() = default;
 
-const SweepPlan& Sweep::plan() const { return combinations_->plan(); }
+const SweepPlan& CaseSweep::plan() const { return combinations_->plan(); }
 
-const std::string& Sweep::identity() const { return combinations_->identity(); }
+const std::string& CaseSweep::identity() const { return combinations_->identity(); }
 
-SweepRun Sweep::run_one(std::size_t number) {
+SweepRun CaseSweep::run_one(std::size_t number) {
   if (number >= plan().size())
     throw InvalidInput("run " + std::to_string(number) + " is asked for", "the sweep has fewer",
                        "numbers are 0 to " + std::to_string(plan().size() - 1));
@@ -259,7 +259,7 @@ SweepRun Sweep::run_one(std::size_t number) {
   return run;
 }
 
-std::vector<SweepRun> Sweep::run(const SweepOptions& options) {
+std::vector<SweepRun> CaseSweep::run(const SweepOptions& options) {
   std::vector<SweepRun> runs(plan().size());
   std::vector<bool> known(runs.size(), false);
   for (const auto& run : options.known) {

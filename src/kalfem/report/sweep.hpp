@@ -57,14 +57,14 @@ struct SweepOptions {
 /// A sweep that is ready to run. Each run is that of `kalfem run` with the same changes, to the last bit, whoever makes
 /// it. A combination is read once for all its seeds, and a reference simulated once for all combinations that share it:
 /// those that differ in `estimate`.
-class Sweep {
+class CaseSweep {
 public:
   /// Reads the case with the first combination. Throws InvalidInput where that cannot be run, where an axis has no
   /// values or a key is given twice, and for seeds of a case that does not simulate its record.
-  explicit Sweep(SweepPlan plan);
-  ~Sweep();
-  Sweep(const Sweep&) = delete;
-  Sweep& operator=(const Sweep&) = delete;
+  explicit CaseSweep(SweepPlan plan);
+  ~CaseSweep();
+  CaseSweep(const CaseSweep&) = delete;
+  CaseSweep& operator=(const CaseSweep&) = delete;
 
   [[nodiscard]] const SweepPlan& plan() const;
   /// 16 hexadecimal digits: a hash of the version, the plan, the case with all its defaults, and its data files. Two

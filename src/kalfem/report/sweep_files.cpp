@@ -1,8 +1,10 @@
 #include <cerrno>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "kalfem/base/atomic_file.hpp"
+#include "kalfem/base/regular_file.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/base/version.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
@@ -15,7 +17,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Eigen::Index;
 
-std::string heading_of(const Sweep& sweep) {
+std::string heading_of(const CaseSweep& sweep) {
   std::vector<std::string> keys;
   for (const auto& axis : sweep.plan().axes) keys.push_back(axis.key);
   return Json{{"kalfem", version},
@@ -150,11 +152,11 @@ const char* const file_names[] = {"runs.jsonl", "sweep.csv", "sweep.h5"};
 
 }  // namespace
 
-SweepFolder::SweepFolder(const fs::path& folder, const Sweep& sweep)
+SweepFolder::SweepFolder(const fs::path& folder, const CaseSweep& sweep)
     : lock_(folder), folder_(folder), plan_(sweep.plan()), heading_(heading_of(sweep)) {
   for (const char* name : file_names) require_writable(folder_ / name);
   const fs::path file = folder_ / "runs.jsonl";
-  std::ifstream existing(file, std::ios::binary);
+  std::istringstream existing(fs::exists(file) ? read_bytes(file) : "");
   std::string line, text = heading_;
   if (std::getline(existing, line) && line + "\n" == heading_)
     while (std::getline(existing, line))
@@ -162,7 +164,6 @@ SweepFolder::SweepFolder(const fs::path& folder, const Sweep& sweep)
         text += line + "\n";
         known_.push_back(std::move(*run));
       }
-  existing.close();
   write_file_atomically(file, text);
   stream_.open(file, std::ios::binary | std::ios::app);
 }

@@ -52,7 +52,7 @@ class SweepFolder {
 public:
   /// Reads the runs of a sweep of the same identity; anything else in runs.jsonl gives way to this sweep. A last line
   /// that is cut short is dropped. Throws as FolderLock, require_writable() and write_file_atomically().
-  SweepFolder(const std::filesystem::path& folder, const Sweep& sweep);
+  SweepFolder(const std::filesystem::path& folder, const CaseSweep& sweep);
 
   [[nodiscard]] const std::vector<SweepRun>& known() const { return known_; }
   /// Brings the run to runs.jsonl. Throws WriteFailure where the disk takes no more.

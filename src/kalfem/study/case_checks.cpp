@@ -131,7 +131,9 @@ void check_integrator(const CaseStudy& study, IssueList& issues) {
                std::to_string(massless) + " degrees of freedom have no mass; the first is '" +
                    system.dofs[static_cast<std::size_t>(first)] + "'",
                "time integration needs mass at every degree of freedom",
-               "give them mass or use reference: superelement");
+               "give them mass (`mass_matrix: consistent` beside a deck whose lumped beams have none at their "
+               "rotations), or use "
+               "reference: superelement");
   }
   if (study.given.simulate->integrator == Integrator::exact && system.size() > most_exact)
     issues.add(study.given.source.at({"simulate", "integrator"}),

@@ -15,7 +15,8 @@ DeckFiles::DeckFiles(const description::Case& given) {
 Deck DeckFiles::read(const std::filesystem::path& file, const DeckOptions& options) {
   const auto same = [&](const Parsed& each) {
     return each.file == file && each.options.format == options.format &&
-           each.options.temperature == options.temperature && each.options.load_cases == options.load_cases;
+           each.options.temperature == options.temperature && each.options.subcase == options.subcase &&
+           each.options.load_cases == options.load_cases;
   };
   if (const auto found = std::ranges::find_if(parsed_, same); found != parsed_.end()) return found->deck;
   Deck deck = read_deck(file, options);

@@ -92,8 +92,8 @@ public:
     auto load_groups = cells_of_load_groups();
     forget_groups_of_nodes();
     issues_.raise();
-    return {std::move(model_), std::move(nodes_),      std::move(gauges_),
-            std::move(notes_), std::move(load_groups), std::move(deck_cases_)};
+    return {std::move(model_),      std::move(nodes_),      std::move(gauges_),      std::move(notes_),
+            std::move(load_groups), std::move(deck_cases_), std::move(deck_preload_)};
   }
 
 private:
@@ -115,17 +115,21 @@ private:
       placement.rotation = turn_about(vector(fe_.rotate->axis), fe_.rotate->angle);
       placement.about = vector(fe_.rotate->about);
     }
+    if (deck_preload_) deck_cases_.push_back(std::move(*deck_preload_));
     place(model_, deck_cases_, placement);
+    if (!deck_preload_) return;
+    deck_preload_ = std::move(deck_cases_.back());
+    deck_cases_.pop_back();
   }
 
   void read(const d::MeshFile& mesh) {
-    model_.mesh = read_gmsh(mesh.file.value);
+    model_.mesh = read_gmsh(mesh.file.value, &notes_);
     model_.mesh.nodes *= mesh.scale;
     require_regions("give each physical group a property");
   }
 
   void read(const d::TableFiles& tables) {
-    model_.mesh = read_table_mesh(tables.nodes.value, tables.elements.value, {.scale = tables.scale});
+    model_.mesh = read_table_mesh(tables.nodes.value, tables.elements.value, {.scale = tables.scale, .notes = &notes_});
     require_regions("give each region of the table a property");
   }
 
@@ -136,14 +140,18 @@ private:
   }
 
   void read(const d::DeckFile& file) {
-    Deck deck = decks_.read(file.file.value,
-                            {.format = file.format, .temperature = file.temperature, .load_cases = used_.deck_cases});
+    Deck deck = decks_.read(file.file.value, {.format = file.format,
+                                              .temperature = file.temperature,
+                                              .subcase = file.subcase,
+                                              .load_cases = used_.deck_cases});
     accept_missing(deck.notes, file);
     model_ = std::move(deck.model);
     notes_ = std::move(deck.notes);
     deck_cases_ = std::move(deck.load_cases);
+    deck_preload_ = std::move(deck.preload);
     to_si(model_, file.units);
     for (auto& load_case : deck_cases_) to_si(load_case, file.units);
+    if (deck_preload_) to_si(*deck_preload_, file.units);
   }
 
   void accept_missing(std::vector<DeckNote>& notes, const d::DeckFile& file) {
@@ -433,6 +441,7 @@ private:
   FiniteElementModel model_;
   std::vector<DeckNote> notes_;
   std::vector<LoadCase> deck_cases_;
+  std::optional<LoadCase> deck_preload_;
   std::vector<NamedNode> nodes_;
   std::vector<StrainGauge> gauges_;
   IssueList issues_;

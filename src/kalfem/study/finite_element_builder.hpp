@@ -28,6 +28,7 @@ struct NamedElements {
   std::vector<DeckNote> notes;
   std::map<std::string, std::vector<Eigen::Index>> load_groups;  ///< cells of the groups that loads name
   std::vector<LoadCase> deck_cases = {};                         ///< if they are wanted
+  std::optional<LoadCase> deck_preload = {};                     ///< see Deck::preload
 };
 
 /// Reads the mesh or deck, the latter from `decks`, of a case's substructure and gives it materials, properties,

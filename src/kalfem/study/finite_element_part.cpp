@@ -5,6 +5,7 @@
 
 #include "kalfem/model/checks/model_check.hpp"
 #include "kalfem/model/linear_model.hpp"
+#include "kalfem/model/statics/geometric_stiffness.hpp"
 #include "kalfem/reduction/free_interface.hpp"
 #include "kalfem/study/finite_element_builder.hpp"
 #include "kalfem/study/node_groups.hpp"
@@ -219,6 +220,13 @@ UsedGroups used_groups(const PartUses& uses) {
 
 }  // namespace
 
+std::string ignored_preload(const std::string& load_case, const std::vector<std::string>& springs) {
+  const std::string more = springs.size() > 1 ? " and " + std::to_string(springs.size() - 1) + " more" : "";
+  return "the preload '" + load_case + "' leaves a force in the spring '" + springs.front() + "'" + more +
+         ", which is ignored: the spring acts along a direction that does not turn with its nodes, so its force "
+         "stiffens nothing; a truss or rod (T3D2, SPRINGA, CROD) in its place turns with them";
+}
+
 DescribedPart make_finite_element_part(const std::string& name, const d::Substructure& given, const PartUses& uses,
                                        DeckFiles& decks) {
   DescribedPart described;
@@ -226,7 +234,7 @@ DescribedPart make_finite_element_part(const std::string& name, const d::Substru
   part.name = name;
   part.damping = {{given.damping.mass_factor, given.damping.stiffness_factor},
                   {given.damping.modal, given.damping.modal_up_to}};
-  auto [elements, nodes, gauges, notes, groups, deck_cases] =
+  auto [elements, nodes, gauges, notes, groups, deck_cases, deck_preload] =
       part.times.measure("read", [&] { return build_finite_elements(name, given, used_groups(uses), decks); });
   part.elements = std::move(elements);
   part.nodes = std::move(nodes);
@@ -238,7 +246,13 @@ DescribedPart make_finite_element_part(const std::string& name, const d::Substru
   const auto boundary =
       is_given ? given_boundary(part, given.reduction->value) : attached_boundary(part, given, uses.attached);
   const auto joined = joined_boundary(part, uses.joined);
-  if (given.preload) part.preload_stiffness = preload_stiffness(part, *given.preload, uses.statics);
+  if (given.preload || deck_preload) {
+    auto preload =
+        given.preload ? preload_of(part, *given.preload, uses.statics) : preload_of(part.elements, *deck_preload);
+    part.preload_stiffness = std::move(preload.stiffness);
+    const std::string load_case = given.preload ? given.preload->value : deck_preload->name;
+    if (!preload.ignored.empty()) described.warnings.push_back(ignored_preload(load_case, preload.ignored));
+  }
   try {
     check_thickness_at_gauges(part, uses.parameters);
     auto kept = all_dofs(boundary);

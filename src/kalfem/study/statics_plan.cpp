@@ -5,7 +5,6 @@
 #include <map>
 
 #include "kalfem/casefile/description.hpp"
-#include "kalfem/model/statics/geometric_stiffness.hpp"
 #include "kalfem/study/assembly.hpp"
 #include "kalfem/yaml/bounds.hpp"
 
@@ -172,7 +171,7 @@ std::vector<std::string> load_groups_of(const d::Statics* statics) {
   return groups;
 }
 
-SparseMatrix preload_stiffness(const FiniteElementPart& part, const Name& load_case, const d::Statics* statics) {
+Preload preload_of(const FiniteElementPart& part, const Name& load_case, const d::Statics* statics) {
   IssueList issues;
   std::vector<LoadCase> cases;
   if (statics) cases = load_cases_of(*statics, part, LoadPlaces(part, issues), issues);
@@ -183,7 +182,7 @@ SparseMatrix preload_stiffness(const FiniteElementPart& part, const Name& load_c
         Issue{load_case.location,
               load_case.path + ": `static` has no load case '" + load_case.value + "' of '" + part.name + "'",
               "a preload is the stress of a static load case", "describe it under static.cases"});
-  return preload_stiffness(part.elements, *found);
+  return preload_of(part.elements, *found);
 }
 
 StaticsPlan make_statics_plan(const d::Case& given, const StructureModel& structure, IssueList& issues) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "kalfem/identification/finite_element_part.hpp"
+#include "kalfem/model/statics/geometric_stiffness.hpp"
 #include "kalfem/model/statics/statics.hpp"
 
 namespace kalfem {
@@ -32,9 +33,9 @@ const description::Statics* statics_of(const description::Case& given, const std
 /// Groups of the mesh that loads name.
 std::vector<std::string> load_groups_of(const description::Statics* statics);
 
-/// The stiffness that the stresses of a load case give a part, see geometric_stiffness(); the part is not assembled
-/// yet. Throws InvalidInput where there is no such load case and as make_statics_plan() does.
-SparseMatrix preload_stiffness(const FiniteElementPart& part, const Located<std::string>& load_case,
-                               const description::Statics* statics);
+/// What the stresses of a load case add to the stiffness of a part, which is not assembled yet. Throws InvalidInput
+/// where there is no such load case and as make_statics_plan() does.
+Preload preload_of(const FiniteElementPart& part, const Located<std::string>& load_case,
+                   const description::Statics* statics);
 
 }  // namespace kalfem

@@ -61,10 +61,11 @@ void warn_of_notes(const ElementNotes& part, std::vector<std::string>& warnings)
       ++unused;
     else
       warnings.push_back("substructure '" + part.substructure +
-                         "': " + kalfem::to_string(Issue{note.where, note.what, note.consequence, ""}));
+                         "': " + kalfem::to_string(Issue{note.where, note_subject(note), note.consequence, ""}));
   if (unused > 0)
     warnings.push_back("substructure '" + part.substructure + "': its deck holds " + std::to_string(unused) +
-                       " kinds of entries that kalfem ignores; `kalfem check` lists them");
+                       (unused == 1 ? " kind" : " kinds") +
+                       " of entries that kalfem ignores; `kalfem check` lists them");
 }
 
 /// Finite-element substructures that the case describes alike, and of which its other sections touch the same, are
