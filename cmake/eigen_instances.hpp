@@ -50,8 +50,8 @@ inline double products(Eigen::MatrixXd& a, const Eigen::MatrixXd& b, Eigen::Vect
   v.segment(0, 1) += v.segment(1, 1);
   v = b.rowwise().sum() + b.colwise().mean().transpose();
   return v.dot(v) + v.norm() + v.squaredNorm() + a.norm() + (a - b).norm() + (v - v).norm() + a.trace() + v.sum() +
-         v.mean() + v.maxCoeff() + v.minCoeff() + a.cwiseAbs().maxCoeff() + v.cwiseAbs().maxCoeff() +
-         v.dot(b * v) + (a.allFinite() && v.allFinite() ? 1.0 : 0.0);
+         v.mean() + v.maxCoeff() + v.minCoeff() + a.cwiseAbs().maxCoeff() + v.cwiseAbs().maxCoeff() + v.dot(b * v) +
+         (a.allFinite() && v.allFinite() ? 1.0 : 0.0);
 }
 
 inline void decompositions(Eigen::MatrixXd& a, Eigen::VectorXd& v) {

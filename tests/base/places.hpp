@@ -2,8 +2,8 @@
 
 #include <string>
 
-// The only names of folders that tests are compiled with stand in places.cpp: objects of all other tests are the same in
-// every folder, so that a cache of compiled files serves a second clone.
+// The only names of folders that tests are compiled with stand in places.cpp: objects of all other tests are the same
+// in every folder, so that a cache of compiled files serves a second clone.
 
 namespace kalfem::test {
 

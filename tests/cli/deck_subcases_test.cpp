@@ -77,8 +77,9 @@ TEST_F(DeckSubcases, PreloadOfStatsubIsThatOfACase) {
       "slack.yaml");
   const auto without = run("modes " + slack + " --json");
   ASSERT_EQ(without.code, 0) << without.errors;
-  EXPECT_NEAR(nlohmann::json::parse(without.output)["model"]["substructures"]["beam"]["frequencies_hz"][0].get<double>(),
-              frequency(1, 0.0), 2e-3 * frequency(1, 0.0));
+  EXPECT_NEAR(
+      nlohmann::json::parse(without.output)["model"]["substructures"]["beam"]["frequencies_hz"][0].get<double>(),
+      frequency(1, 0.0), 2e-3 * frequency(1, 0.0));
 }
 
 TEST_F(DeckSubcases, ThatDifferAskWhichOneIsMeant) {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "kalfem/model/elements/beam.hpp"
 #include "kalfem/model/assembly/rigid_body.hpp"
+#include "kalfem/model/elements/beam.hpp"
 #include "model/beam_models.hpp"
 
 // Sections of general position: bending planes that are coupled, a centroid off the shear centre, offsets of the ends,

@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "kalfem/linalg/lowest_modes.hpp"
-#include "kalfem/model/mesh/laminate_theory.hpp"
 #include "kalfem/model/assembly/rigid_body.hpp"
+#include "kalfem/model/mesh/laminate_theory.hpp"
 #include "model/fe_models.hpp"
 
 namespace kalfem {

@@ -114,8 +114,9 @@ private:
       if (i != 7 && !field(i).empty()) refuse_field(name, i);
   }
   [[noreturn]] void refuse_field(const std::string& name, std::size_t i) const {
-    refuse(card_->place.line, "'" + field(i) + "' in " + nastran::place_on_card(i + 1) + " of matrix '" + name +
-                                  "' stands where DMIG has no field",
+    refuse(card_->place.line,
+           "'" + field(i) + "' in " + nastran::place_on_card(i + 1) + " of matrix '" + name +
+               "' stands where DMIG has no field",
            "an entry may be out of its place", "correct the card");
   }
 

@@ -116,7 +116,8 @@ void read_rbe1(const Card& card, const Reading& in) {
     dependent = card.says(line, "UM") || dependent;
     for (const std::size_t i : {line + 1, line + 3, line + 5})
       if (card.is_integer(i))
-        (dependent ? body.dependent : body.independent).emplace_back(card.id(i, "G"), needed_components(card, i + 1, "C"));
+        (dependent ? body.dependent : body.independent)
+            .emplace_back(card.id(i, "G"), needed_components(card, i + 1, "C"));
       else if (card.is_number(i))
         tell_expansion(card, in, i);
   }
