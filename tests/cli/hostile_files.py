@@ -174,11 +174,13 @@ def places():
     yield Place("frequencies of `update`", "frequencies.csv", ["check", "case.yaml"], {}, starter="plate")
     yield Place("deck of `update`", "plate.bdf", ["update", "case.yaml"], {}, starter="plate")
     yield Place("tables of a structure", "beams.csv", ["check", "case.yaml"], {}, starter="vehicle")
-    summary = {"out/summary.json": "{}", "out/case.resolved.yaml": "kalfem: 1\n"}
+    parts = {"summary.json": "{}", "case.resolved.yaml": "kalfem: 1\n"}
+    finished = {f"{run_folder}/{name}": text for run_folder in ("out", "other") for name, text in parts.items()}
     for verb, opened in (("report", "summary.json"), ("compare", "summary.json"), ("plot", "summary.json"),
                          ("plot", "results.h5"), ("compare", "results.h5"), ("compare", "case.resolved.yaml")):
-        files = {name: text for name, text in summary.items() if name != f"out/{opened}"}
-        yield Place(f"{opened} of `{verb}`", f"out/{opened}", [verb, "out"], files, must_refuse=opened == "summary.json")
+        files = {name: text for name, text in finished.items() if name != f"out/{opened}"}
+        runs = ["out", "other"] if verb == "compare" else ["out"]
+        yield Place(f"{opened} of `{verb}`", f"out/{opened}", [verb, *runs], files, must_refuse=opened == "summary.json")
     yield Place("note of `run --resume`", "out/run.resume.json", ["run", "--resume", "out"], {"out/.keep": ""})
 
 
@@ -201,7 +203,8 @@ def try_place(kalfem, place, kind, root):
     readable = kind == "unreadable" and os.geteuid() == 0
     if place.must_refuse and not readable and ended.code != 2:
         yield f"{place.name}, {kind}: it ends with {ended.code}, expected 2: {ended.text[-300:]}"
-    if place.must_refuse and ended.code == 2 and pathlib.Path(place.opened).stem not in ended.text and "out" not in ended.text:
+    named = pathlib.Path(place.opened).stem in ended.text or "out" in ended.text
+    if place.must_refuse and not readable and ended.code == 2 and not named:
         yield f"{place.name}, {kind}: the message does not name the file: {ended.text[-300:]}"
     if "Traceback" in ended.text or "internal error" in ended.text:
         yield f"{place.name}, {kind}: {ended.text[-300:]}"
