@@ -44,6 +44,7 @@ foreach(library ${every})
 endforeach()
 
 install(TARGETS kalfem_command RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT command)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT command)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/apps/kalfem/kalfem.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT command)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/apps/kalfem/kalfem.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/kalfem
         COMPONENT command)

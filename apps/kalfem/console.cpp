@@ -64,6 +64,7 @@ void print_safe(const std::string& text) {
 
 }  // namespace
 
+bool is_read_on_terminal() { return isatty(STDOUT_FILENO) == 1; }
 void print_text(std::string_view text) { print_safe(terminal_safe(text)); }
 
 void print_error_text(std::string_view text) {

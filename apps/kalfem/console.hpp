@@ -20,6 +20,8 @@ void prepare_streams();
 
 /// Text to stdout. A failure is kept for require_output().
 void print_text(std::string_view text);
+/// Whether a person reads stdout while the command runs.
+bool is_read_on_terminal();
 /// Text to stderr.
 void print_error_text(std::string_view text);
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 
@@ -106,13 +107,16 @@ public:
          .folder = folder_.path(),
          .on_updating_step = [&](int number,
                                  const UpdatingStep& step) { tell("{}", console_updating_step(study_, number, step)); },
+         .on_first_answer = [&](const StudyResults& results) { write_and_tell_first(results); },
          .keep_finished = true});
     if (results_.interrupted && checkpoint_in(folder_.path())) note_->stay();
   }
 
   ExitCode write_and_tell() {
     if (results_.interrupted && !results_.simulation && !results_.updating && !results_.estimation) throw Interrupted();
-    const ResultSet set = write_result_set(folder_, study_, results_, watch_);
+    ResultSet set = write_result_set(folder_, study_, results_, watch_);
+    for (auto& name : removed_)
+      if (!std::ranges::binary_search(set.files, name)) set.removed.push_back(std::move(name));
     if (arguments_.told == Told::report) print_report(console_report(study_, results_));
     if (arguments_.verbose) print_report(console_details(study_, results_));
     tell_files(set);
@@ -136,6 +140,11 @@ private:
     if (arguments_.told == Told::report) command::print(format, std::forward<Values>(values)...);
   }
 
+  void write_and_tell_first(const StudyResults& results) {
+    removed_ = write_first_answer(folder_, study_, results, watch_);
+    if (is_read_on_terminal()) tell("{}\n", console_first_answer(study_, results));
+  }
+
   void tell_files(const ResultSet& set) const {
     tell("Results in {}: {}\n", folder_.path().string(), listed(set.files));
     if (!set.removed.empty()) tell("Removed from there (results of an earlier run): {}\n", listed(set.removed));
@@ -151,6 +160,7 @@ private:
   Study study_;
   std::optional<ResumeNote> note_;  ///< goes before the folder does
   StudyResults results_;
+  std::vector<std::string> removed_;  ///< of an earlier run, when the first answer was written
 };
 
 }  // namespace

@@ -142,6 +142,15 @@ std::vector<std::pair<std::string, PointPrior>> initial_state_of(const py::dict&
   return all;
 }
 
+/// "none", "full" or a number.
+double second_thoughts_of(const py::handle& given) {
+  if (!py::isinstance<py::str>(given)) return given.cast<double>();
+  const auto word = given.cast<std::string>();
+  if (word == "none") return 0.0;
+  if (word == "full") return EstimateOptions{}.second_thoughts;
+  throw InvalidInput("second_thoughts: '" + word + "' is not known", "", "give none, full or a number");
+}
+
 }  // namespace
 
 EstimateOptions options_of(const Structure& structure, const py::dict& arguments) {
@@ -163,6 +172,7 @@ EstimateOptions options_of(const Structure& structure, const py::dict& arguments
   take("passes", options.passes);
   take("settle", options.settle);
   take("diagnose", options.diagnose);
+  if (arguments.contains("second_thoughts")) options.second_thoughts = second_thoughts_of(arguments["second_thoughts"]);
   return options;
 }
 

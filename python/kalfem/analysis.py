@@ -40,6 +40,7 @@ def estimate(
     passes: int = 1,
     threads: int = 0,
     diagnose: bool = True,
+    second_thoughts: float | str = "full",
     progress: Progress = True,
 ) -> Run:
     """Estimate states and unknown parameters of a structure from a record.
@@ -82,6 +83,9 @@ def estimate(
         0: one a processor. Results do not depend on it.
     diagnose : bool
         Look for the mistake that explains numbers that contradict each other.
+    second_thoughts : float or str
+        What may follow the first answer (more substeps, changes of parameters within the record, other process noise,
+        the mistake behind a contradiction): so many times its filter steps, ``none``, or ``full``.
     progress : bool or callable
         Show a bar, or call a function with the fraction done and words.
 
@@ -126,6 +130,7 @@ def estimate(
         "passes": passes,
         "settle": settle,
         "diagnose": diagnose,
+        "second_thoughts": second_thoughts,
     }
     with reporter(progress) as bar:
         summary, datasets = core.estimate(structure, t, y, dict(inputs or {}), arguments, bar)

@@ -352,6 +352,16 @@ void diagnosis() {
   EXPECT_FALSE(with_estimate(stiffness_unknown + ", diagnose: false").problem->settings.diagnose);
 }
 
+void what_may_follow_the_first_answer() {
+  const auto allowed = [](const std::string& text) {
+    return with_estimate(stiffness_unknown + text).problem->settings.second_thoughts;
+  };
+  EXPECT_TRUE(std::isinf(allowed("")));
+  EXPECT_TRUE(std::isinf(allowed(", second_thoughts: full")));
+  EXPECT_EQ(allowed(", second_thoughts: none"), 0.0);
+  EXPECT_EQ(allowed(", second_thoughts: 2.5"), 2.5);
+}
+
 void outliers() {
   const auto treatment = [](const std::string& text) {
     return with_estimate(stiffness_unknown + text).problem->settings.outliers;
@@ -456,6 +466,7 @@ KeyChecks estimation_keys() {
   add(at, {"threads"}, threads);
   add(at, {"outliers"}, outliers);
   add(at, {"diagnose"}, diagnosis);
+  add(at, {"second_thoughts"}, what_may_follow_the_first_answer);
   add("predict.", {"substructure"}, predictions);
   add("predict.", {"substeps"}, prediction_steps);
   return keys;

@@ -49,7 +49,7 @@ protected:
 
 TEST_F(Validation, PredictsAnotherPartOfTheSameRecord) {
   const auto results = run(validated("start: 2.01 s"));
-  const auto& [held_back, own] = *results.validation;
+  const auto &held_back = results.validation->held_back, &own = results.validation->own;
   EXPECT_EQ(held_back.failure, "");
   EXPECT_EQ(held_back.measured.samples(), 200);
   EXPECT_EQ(held_back.first, 20);  // a tenth of the part

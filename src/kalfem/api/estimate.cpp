@@ -146,7 +146,7 @@ EstimateResult estimate(const Structure& structure, const Record& record, const 
   require_channels(record, options.sensors);
   FilterProblem made = make_filter_problem(structure, record.sample_rate, options);
   const Record measured = of_sensors(record, options.sensors);
-  const auto estimated = estimate_record_thoroughly(
+  auto estimated = estimate_record_thoroughly(
       made.problem, made.setup, measured,
       {.monitored = made.monitored, .deviation_stride = options.deviation_stride, .progress = options.progress});
   const auto& filtered = estimated.result;
@@ -170,6 +170,7 @@ EstimateResult estimate(const Structure& structure, const Record& record, const 
   estimate.sensors = innovations_by_sensor(estimated);
   estimate.verdict = verdict_of(estimated);
   estimate.diagnosis = look_for_cause(*made.problem, made.problem->structure->parts, measured, estimated);
+  estimate.left_out = estimated.left_out;
   if (estimate.diagnosis) estimate.verdict.add(reasons_of(*estimate.diagnosis, estimate.verdict.state()));
   return estimate;
 }

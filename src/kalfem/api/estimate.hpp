@@ -62,6 +62,9 @@ struct EstimateOptions {
   /// Look for the mistake that explains numbers which contradict themselves. It costs about a hundred runs over a part
   /// of the record, and only where something is wrong. An OnlineFilter never looks.
   bool diagnose = true;
+  /// Filter steps of all that follows the first answer (more substeps, other process noise, changes of parameters
+  /// within the record, the diagnosis), in those of the first answer. 0: nothing follows.
+  double second_thoughts = std::numeric_limits<double>::infinity();
 };
 
 /// A parameter, estimated at the end of the record.
@@ -126,6 +129,8 @@ struct EstimateResult {
   std::vector<NormalisedInnovations> sensors;  ///< in the order of the sensors
   /// Whether the numbers agree with each other and with what was stated about them. A filter that stopped is unusable.
   Verdict verdict;
+  /// Searches for which EstimateOptions::second_thoughts left no filter steps, in words.
+  std::vector<std::string> left_out = {};
   std::optional<Diagnosis> diagnosis;  ///< every mistake that was tested; empty: there was no reason to look for one
 
   /// Whether the filter ran to the end and nothing in its numbers makes them worthless.

@@ -192,6 +192,8 @@ std::vector<std::string> OutputFolder::replace(const Names& former) {
   if (exchange_ == Exchange::one_by_one || !switch_to_staging(united(fresh, gone))) move_one_by_one(fresh, gone);
   bring_to_disk(folder_);
   clear_hidden();
+  std::error_code error;
+  fs::create_directories(staging(), error);
   return fresh;
 }
 

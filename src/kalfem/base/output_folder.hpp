@@ -57,8 +57,8 @@ public:
   [[nodiscard]] std::filesystem::path staging() const { return lock_.hidden() / "new"; }
 
   /// Replaces the files `former` (relative to the folder; missing ones are allowed) by those in `staging()`. Other
-  /// files are left alone. Returns the relative names of the new set, sorted. Throws, and leaves the former set in its
-  /// place, where a folder stands in a file's place or the disk takes no more.
+  /// files are left alone. Returns the relative names of the new set, sorted; a further set may follow. Throws, and
+  /// leaves the former set in its place, where a folder stands in a file's place or the disk takes no more.
   std::vector<std::string> replace(const std::vector<std::string>& former);
 
 private:

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <variant>
@@ -202,6 +203,7 @@ struct Estimation {
   int threads = 0;                           ///< 0: one per processor
   std::optional<OutlierTreatment> outliers;  ///< if empty, robust where a run shows outliers
   bool diagnose = true;
+  double second_thoughts = std::numeric_limits<double>::infinity();  ///< filter steps, in those of the first answer
   bool smooth = false;
 };
 

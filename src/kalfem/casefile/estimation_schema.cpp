@@ -43,6 +43,26 @@ Schema<std::optional<int>> substeps() {
   return make_schema<std::optional<int>>(read, write, either_schema(word.json_schema(), number.json_schema()));
 }
 
+/// `none`, `full` or a number.
+Schema<double> second_thoughts() {
+  const auto factor = number("-", Bounds::nonnegative());
+  const auto word = one_of_words({"none", "full"}, {"the first answer stays as it is", "whatever they take"});
+  const auto read = [=](const CaseNode& node, double& value) {
+    const auto& yaml = node.yaml();
+    if (yaml.kind != YamlNode::Kind::scalar || (yaml.text != "none" && yaml.text != "full"))
+      return factor.read(node, value);
+    std::size_t chosen = 0;
+    const bool known = word.read(node, chosen);
+    value = chosen == 0 ? 0.0 : std::numeric_limits<double>::infinity();
+    return known;
+  };
+  const auto write = [=](const double& value) {
+    if (std::isfinite(value) && value > 0.0) return factor.write(value);
+    return word.write(value > 0.0 ? 1 : 0);
+  };
+  return make_schema<double>(read, write, either_schema(word.json_schema(), factor.json_schema()));
+}
+
 Schema<LocalModelOptions> local_model() {
   const auto acceleration = Fields<InterfaceAcceleration>()
                                 .required("sensor", &InterfaceAcceleration::sensor, name(),
@@ -163,6 +183,10 @@ Schema<Estimation> estimation() {
                     "repeat the run with other process noise; where the results contradict themselves, with changes of "
                     "single "
                     "unknowns within the record, and with single mistakes undone, to name the one that explains it")
+          .optional("second_thoughts", &Estimation::second_thoughts, second_thoughts(),
+                    "what may follow the first answer (more substeps, changes of unknowns within the record, other "
+                    "process noise, the mistake behind a contradiction, predictions of a validation one sample ahead): "
+                    "so many times its filter steps, none, or full")
           .optional("smooth", &Estimation::smooth, boolean(),
                     "also estimate every sample from the whole record (fixed-interval smoother)"));
 }

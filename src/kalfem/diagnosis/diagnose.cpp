@@ -19,8 +19,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double most_work = 6e10;  ///< operations of all trials, about: decides how much of the record they see
-constexpr double usual_trials = 100.0;
+constexpr double most_work = 6e10;      ///< operations of all trials, about: decides how much of the record they see
 constexpr double telling_part = 0.3;    ///< of the sum of NIS that the trials should see
 constexpr Index fewest_samples = 1500;  ///< of the record, where it has as many
 constexpr double longest_delay = 0.15;  ///< [s]
@@ -106,11 +105,12 @@ Index telling_samples(const VectorXd& nis, Index samples) {
 }
 
 /// The first part of the record: long enough to tell what is wrong, and no longer than so many trials can afford.
-Record part_for(const DiagnosisInput& input, const FilterRun& run, double trials) {
-  const auto affordable = static_cast<Index>(most_work / (trials * work_of_step(run)));
+Record part_for(const DiagnosisInput& input, const FilterRun& run) {
+  const auto affordable = static_cast<Index>(most_work / (diagnosis_trials * work_of_step(run)));
   const Index wanted =
       std::max(fewest_samples, std::min(affordable, telling_samples(input.nis, input.record.samples_used())));
-  const Index samples = std::min(input.record.samples(), wanted);
+  const auto samples =
+      static_cast<Index>(std::min(static_cast<double>(std::min(input.record.samples(), wanted)), input.samples));
   Record part = input.record;
   part.values = input.record.values.leftCols(samples).eval();
   if (part.used) part.used = std::min(*part.used, samples);
@@ -120,7 +120,7 @@ Record part_for(const DiagnosisInput& input, const FilterRun& run, double trials
 class Trials {
 public:
   explicit Trials(const DiagnosisInput& input) : input_(input), base_(input_.run_of(input_.problem, input_.parts)) {
-    input_.record = part_for(input_, base_, usual_trials);
+    input_.record = part_for(input_, base_);
     base_ = input_.run_of(input_.problem, input_.parts);
     options_ = {.filter = base_.choice.filter,
                 .unscented = input_.options.unscented,

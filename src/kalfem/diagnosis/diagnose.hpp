@@ -8,6 +8,8 @@
 
 namespace kalfem {
 
+constexpr double diagnosis_trials = 100.0;  ///< runs over a part of the record that a diagnosis takes, about
+
 /// Tests the mistakes that an engineer would look for, one at a time: the run is repeated with each undone, and the one
 /// under which the record is most likely is the cause. Numbers such as gains and delays are first guessed from what
 /// the other sensors predict, then searched by likelihood.

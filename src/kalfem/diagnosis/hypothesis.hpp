@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +18,8 @@ struct DiagnosisInput {
   Record record;
   EstimationOptions options = {};
   Eigen::VectorXd nis = {};  ///< of the run that is to be explained, up to where it stopped
+  /// Of the record that a trial may see at most.
+  double samples = std::numeric_limits<double>::infinity();
 
   /// The filter's run over the record for this problem or a changed one.
   [[nodiscard]] FilterRun run_of(const EstimationProblemPtr& changed, const StructureParts& changed_parts) const;

@@ -6,9 +6,10 @@
 namespace kalfem {
 
 /// Which mistake explains an estimation whose filter stopped or whose numbers contradict themselves. Nothing if they do
-/// not, if no mistake could be behind it, or if the problem's settings do not ask for it. `parts`: those that the
-/// filter's model was made of.
+/// not, if no mistake could be behind it, or if the problem's settings do not ask for it. Takes the filter steps that
+/// are left of the estimation's second thoughts; where these are too few, that is among what was left out. `parts`:
+/// those that the filter's model was made of.
 std::optional<Diagnosis> look_for_cause(const EstimationProblem& problem, const StructureParts& parts,
-                                        const Record& record, const RecordEstimate& estimate);
+                                        const Record& record, RecordEstimate& estimate);
 
 }  // namespace kalfem

@@ -35,7 +35,8 @@ struct SubstepChoice {
   bool chosen = false;  ///< by the program, from the estimates; otherwise the caller gave it
   /// |bias| of each unknown's estimate that is left, in its standard deviations; empty: not measured.
   Eigen::VectorXd bias = {};
-  bool limited = false;    ///< more are needed, but a limit was reached
+  bool limited = false;    ///< more are needed, but a limit was reached, or were not tried yet
+  bool stopped = false;    ///< the search for more ended early, as second_thoughts allow no further run
   std::string words = {};  ///< how they were chosen
 
   /// The unknown with the largest bias; -1 where none was measured.
@@ -51,7 +52,7 @@ struct AugmentedModelSetup {
   std::vector<std::string> input_sources;  ///< name of the excitation of each input, or of a sensor ("@name")
   std::vector<std::optional<double>> true_parameters;  ///< one per unknown
   LinearUnknowns linear_unknowns;
-  std::optional<SubstepChoice> substeps = {};  ///< decided before; otherwise run_refined_filter() decides
+  std::optional<SubstepChoice> substeps = {};  ///< decided before; otherwise the estimates decide
   std::optional<bool> starts_at_rest = {};     ///< decided before; otherwise the record tells, see make_filter_run()
 };
 

@@ -13,6 +13,7 @@
 #include "kalfem/estimation/parameter_transform.hpp"
 #include "kalfem/identification/parameter_set.hpp"
 #include "kalfem/identification/point_prior.hpp"
+#include "kalfem/identification/step_budget.hpp"
 #include "kalfem/system/sensors/measurement_chain.hpp"
 #include "kalfem/system/sensors/output_map.hpp"
 
@@ -131,14 +132,17 @@ struct EstimationSettings {
   double settle = 0.0;                  ///< time before errors and consistency count [s]
   bool estimate_initial_state = false;  ///< keep the initial state in the state vector and update it with every sample
   int passes = 1;                       ///< over the record, each from the estimate of the one before
-  /// Of a sample interval, for the connectors' forces; empty: as many as the estimates need, see run_refined_filter().
+  /// Of a sample interval, for the connectors' forces; empty: as many as the estimates need, see choose_substeps().
   std::optional<int> substeps = {};
   int threads = 0;  ///< 0: one per processor
   /// What the updates do with outliers, and, unless they keep them, a search for dead, stuck and saturated sensors;
   /// nothing: robust where a run shows outliers, see run_screened_filter().
   std::optional<OutlierTreatment> outliers = {};
   bool diagnose = true;  ///< look for the mistake that explains a run which contradicts itself
-  bool smooth = false;   ///< estimate every sample from the whole record too
+  /// Filter steps of all that follows the first answer (more substeps, other process noise, changes of unknowns, the
+  /// mistake behind a contradiction), in those of the first answer. 0: nothing follows; see RecordEstimate.
+  double second_thoughts = StepBudget::unlimited;
+  bool smooth = false;  ///< estimate every sample from the whole record too
 };
 
 /// A structure, its sensors, and the unknowns to estimate from its record. Immutable; models made from it share it.

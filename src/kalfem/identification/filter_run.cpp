@@ -310,6 +310,10 @@ FilteredRecord run_filter(const EstimationProblemPtr& problem, const AugmentedMo
   return first;
 }
 
+double steps_of_run(const EstimationProblem& problem, const Record& record, int substeps) {
+  return static_cast<double>(record.samples()) * substeps * problem.settings.passes;
+}
+
 int filter_threads(const EstimationSettings& settings) {
   const int given = settings.threads;
   return given > 0 ? given : processors();

@@ -67,6 +67,9 @@ std::vector<FilterAttempt> attempts_after(const FilterAttempt& failed, bool kind
 FilteredRecord run_filter(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
                           EstimationOptions options);
 
+/// Filter steps of one run over the record, see StepBudget.
+double steps_of_run(const EstimationProblem& problem, const Record& record, int substeps);
+
 /// Threads of the settings, or one per processor.
 int filter_threads(const EstimationSettings& settings);
 

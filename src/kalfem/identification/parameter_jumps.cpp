@@ -24,6 +24,7 @@ constexpr std::size_t most_tried = 4;     ///< unknowns, of which the best
 constexpr std::size_t most_placed = 2;    ///< are placed
 constexpr int most_moves = 4;             ///< by one step
 constexpr double significant = 30.0;      ///< gain
+constexpr double band = 1.96;             ///< standard deviations of a change
 constexpr double trimmed = 0.02;          ///< of an unknown's information at either end
 constexpr Index coarse_parts = 64;        ///< of the record: the step to which every unknown's change is placed
 
@@ -74,17 +75,29 @@ struct Trial {
 
 class JumpSearch {
 public:
-  JumpSearch(const AugmentedModel& augmented_model, const FilterInput& input, EstimationOptions options, Index first)
-      : augmented_model_(augmented_model), input_(input), options_(std::move(options)), first_(first) {
+  JumpSearch(const AugmentedModel& augmented_model, const FilterInput& input, EstimationOptions options, Index first,
+             double steps, StepBudget& budget)
+      : augmented_model_(augmented_model),
+        input_(input),
+        options_(std::move(options)),
+        first_(first),
+        steps_(steps),
+        budget_(budget) {
     options_.passes = 1;  // a further pass would begin with the value after the change
     options_.keep_unknowns = options_.state_means = false;
     options_.monitored = {};
     options_.progress = {};
   }
 
-  [[nodiscard]] EstimationResult without_change() const { return estimate(augmented_model_, input_, options_); }
+  [[nodiscard]] bool stopped() const { return stopped_; }  ///< the budget allowed no further run
 
-  [[nodiscard]] Trial with_change(Index unknown, Index sample) const {
+  EstimationResult without_change() {
+    if (!takes_a_run()) return {};
+    return estimate(augmented_model_, input_, options_);
+  }
+
+  Trial with_change(Index unknown, Index sample) {
+    if (!takes_a_run()) return {unknown, sample, {}};
     const auto& of = augmented_model_.options().unknowns[static_cast<std::size_t>(unknown)];
     EstimationOptions options = options_;
     options.renewals = {{unknown, sample, of.deviation / of.transform.slope(of.transform.to_state(of.initial))}};
@@ -93,19 +106,24 @@ public:
 
   /// Moves the change to the largest likelihood by steps that are halved from `step` down to `finest`. A step is
   /// repeated a few times only: where the likelihood keeps rising, the change is nowhere near.
-  [[nodiscard]] Trial placed(Trial best, Index step, Index finest) const {
-    for (; step >= finest; step /= 2)
+  Trial placed(Trial best, Index step, Index finest) {
+    for (; step >= finest && !stopped_; step /= 2)
       for (int i = 0; i < most_moves && moves(best, step); ++i) {
       }
     return best;
   }
 
 private:
-  bool moves(Trial& best, Index step) const {
+  bool takes_a_run() {
+    if (!stopped_) stopped_ = !budget_.take(steps_);
+    return !stopped_;
+  }
+
+  bool moves(Trial& best, Index step) {
     for (const Index sample : {best.sample - step, best.sample + step}) {
       if (sample <= first_ || sample >= input_.measured.samples()) continue;
       Trial moved = with_change(best.unknown, sample);
-      if (!(moved.log_likelihood() > best.log_likelihood())) continue;
+      if (stopped_ || !(moved.log_likelihood() > best.log_likelihood())) continue;
       best = std::move(moved);
       return true;
     }
@@ -116,6 +134,9 @@ private:
   const FilterInput& input_;
   EstimationOptions options_;
   Index first_;
+  double steps_;
+  StepBudget& budget_;
+  bool stopped_ = false;
 };
 
 /// How far the innovations of a run are from what they should be.
@@ -152,14 +173,14 @@ ParameterJump jump_of(const Trial& trial) {
 
 }  // namespace
 
-std::optional<ParameterJump> find_parameter_jump(const AugmentedModel& augmented_model, const FilterInput& input,
-                                                 EstimationOptions options, const EstimationResult& result,
-                                                 Index first) {
+JumpSearchResult find_parameter_jump(const AugmentedModel& augmented_model, const FilterInput& input,
+                                     EstimationOptions options, const EstimationResult& result, Index first,
+                                     double steps, StepBudget& budget) {
   const auto& history = result.unknowns_history;
-  if (result.failure || history.empty()) return std::nullopt;
+  if (result.failure || history.empty()) return {};
   const auto hints = hints_of(history, first);
-  if (hints.front().statistic < worth_a_run) return std::nullopt;
-  const JumpSearch search(augmented_model, input, std::move(options), first);
+  if (hints.front().statistic < worth_a_run) return {};
+  JumpSearch search(augmented_model, input, std::move(options), first, steps, budget);
   const Index coarse = std::max<Index>(1, input.measured.samples() / coarse_parts);
   std::vector<Trial> trials;
   for (const auto& hint : hints) {
@@ -174,15 +195,17 @@ std::optional<ParameterJump> find_parameter_jump(const AugmentedModel& augmented
     if (!best || trial.log_likelihood() > best->log_likelihood()) best = std::move(trial);
   }
   best = search.placed(*std::move(best), coarse / 2, 1);
-  if (best->result.failure) return std::nullopt;
   const EstimationResult constant = search.without_change();
+  if (search.stopped()) return {.stopped = true};
+  if (best->result.failure || constant.failure) return {};
   const Contradiction before = contradiction_of(input, constant, first),
                       after = contradiction_of(input, best->result, first);
   ParameterJump jump = jump_of(*best);
   jump.gain = 2.0 * (best->log_likelihood() - constant.log_likelihood) / (after.widening * after.widening);
   jump.explains = !after.any;
   const bool most_is_explained = jump.explains || after.excess < 0.5 * before.excess;
-  return jump.gain > significant && most_is_explained ? std::optional(jump) : std::nullopt;
+  const bool told = jump.gain > significant && std::abs(jump.after - jump.before) > band * jump.deviation;
+  return {.jump = told && most_is_explained ? std::optional(jump) : std::nullopt};
 }
 
 }  // namespace kalfem

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "kalfem/estimation/estimate.hpp"
+#include "kalfem/identification/step_budget.hpp"
 
 namespace kalfem {
 
@@ -19,6 +20,11 @@ struct ParameterJump {
   bool explains = false;
 };
 
+struct JumpSearchResult {
+  std::optional<ParameterJump> jump = {};
+  bool stopped = false;  ///< before its end, as the budget allowed no further run
+};
+
 /// Looks for one unknown that changed once.
 ///
 /// 1. From the run's own history, without another run: the scores u_k = P_k^-1 (theta_k - theta_N) of the samples until
@@ -28,11 +34,12 @@ struct ParameterJump {
 /// 2. For each unknown with a large T_i: runs that renew it at a sample, which is moved by halved steps to the largest
 ///    likelihood (generalised likelihood ratio, Willsky and Jones 1976, IEEE Trans. Automatic Control 21, 108-112).
 ///
-/// Nothing where no change is significant, or where the best one leaves most of the contradiction: then the model is
-/// wrong in another way. `result`: of the run with these options, which kept the unknowns' history. `first`: the first
-/// sample that counts.
-std::optional<ParameterJump> find_parameter_jump(const AugmentedModel& augmented_model, const FilterInput& input,
-                                                 EstimationOptions options, const EstimationResult& result,
-                                                 Eigen::Index first);
+/// Nothing where no change is significant, where it is within its own 95 % interval, or where the best one leaves most
+/// of the contradiction: then the model is wrong in another way. `result`: of a run over the same record which kept the
+/// unknowns' history; its model may have more substeps. `first`: the first sample that counts. `steps`: filter steps of
+/// one run.
+JumpSearchResult find_parameter_jump(const AugmentedModel& augmented_model, const FilterInput& input,
+                                     EstimationOptions options, const EstimationResult& result, Eigen::Index first,
+                                     double steps, StepBudget& budget);
 
 }  // namespace kalfem

@@ -13,7 +13,9 @@ using Eigen::Index;
 
 namespace {
 
-constexpr std::array factors{0.1, 1.0 / 3.0, 3.0, 10.0};
+/// On the stated noise; those that the verdict asks for come first.
+constexpr std::array factors{1.0 / 3.0, 3.0, 0.1, 10.0};
+constexpr std::size_t needed = 2;  ///< for a verdict
 
 ProcessNoiseTrial trial_of(double factor, const EstimationResult& result, const ConsistencySummary& consistency,
                            const AugmentedModel& model, Index settled) {
@@ -54,21 +56,24 @@ std::optional<ProcessNoiseTrial> trial_with(double factor, const EstimationProbl
 
 }  // namespace
 
-std::vector<ProcessNoiseTrial> study_process_noise(const EstimationProblemPtr& problem,
-                                                   const AugmentedModelSetup& setup, const Record& record,
-                                                   const RecordEstimate& estimate) {
+ProcessNoiseStudy study_process_noise(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
+                                      const Record& record, const RecordEstimate& estimate, StepBudget& budget) {
   const bool any_noise = (setup.options.process_noise.acceleration.array() > 0.0).any();
   if (problem->settings.adaptive_noise.process) return {};  // the record decides
   if (estimate.result.failure || !any_noise || estimate.augmented_model->layout().unknowns == 0) return {};
-  std::array<std::optional<ProcessNoiseTrial>, factors.size()> found;
-  for_each_index(factors.size(), filter_threads(problem->settings),
+  const double steps = steps_of_run(*problem, record, estimate.substeps.substeps);
+  std::size_t allowed = 0;
+  while (allowed < factors.size() && budget.take(steps)) ++allowed;
+  ProcessNoiseStudy study{.stopped = allowed < needed};
+  if (allowed == 0) return study;
+  std::vector<std::optional<ProcessNoiseTrial>> found(allowed);
+  for_each_index(allowed, filter_threads(problem->settings),
                  [&](std::size_t i) { found[i] = trial_with(factors[i], problem, setup, record, estimate); });
-  std::vector<ProcessNoiseTrial> trials{
-      trial_of(1.0, estimate.result, estimate.consistency, *estimate.augmented_model, estimate.settled)};
+  study.trials = {trial_of(1.0, estimate.result, estimate.consistency, *estimate.augmented_model, estimate.settled)};
   for (auto& each : found)
-    if (each) trials.push_back(std::move(*each));
-  std::ranges::sort(trials, {}, &ProcessNoiseTrial::factor);
-  return trials;
+    if (each) study.trials.push_back(std::move(*each));
+  std::ranges::sort(study.trials, {}, &ProcessNoiseTrial::factor);
+  return study;
 }
 
 }  // namespace kalfem

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "kalfem/identification/augmented_model_setup.hpp"
+#include "kalfem/identification/step_budget.hpp"
 #include "kalfem/records/record.hpp"
 
 namespace kalfem {
@@ -18,13 +19,17 @@ struct ProcessNoiseTrial {
   Eigen::VectorXd estimates, deviations;
 };
 
-/// The estimate beside those with a tenth, a third, three and ten times the process noise, all else as it was, in
-/// ascending order; without those at which the filter stops. A Kalman filter's estimates are best with the true
-/// covariance of the process noise, which nobody knows of a real structure: this tells what depends on it.
-/// Nothing without process noise or unknowns, where it adapts, and for an estimate that failed. `setup`: with which
-/// `estimate` was made.
-std::vector<ProcessNoiseTrial> study_process_noise(const EstimationProblemPtr& problem,
-                                                   const AugmentedModelSetup& setup, const Record& record,
-                                                   const RecordEstimate& estimate);
+struct ProcessNoiseStudy {
+  std::vector<ProcessNoiseTrial> trials = {};
+  bool stopped = false;  ///< the budget did not allow those that a verdict needs
+};
+
+/// The estimate beside those with a third, three times, a tenth and ten times the process noise, all else as it was, in
+/// ascending order; without those at which the filter stops, and those that the budget does not allow. A Kalman
+/// filter's estimates are best with the true covariance of the process noise, which nobody knows of a real structure:
+/// this tells what depends on it. Nothing without process noise or unknowns, where it adapts, and for an estimate that
+/// failed. `setup`: with which `estimate` was made.
+ProcessNoiseStudy study_process_noise(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
+                                      const Record& record, const RecordEstimate& estimate, StepBudget& budget);
 
 }  // namespace kalfem

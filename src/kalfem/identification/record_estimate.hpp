@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -16,6 +17,12 @@
 #include "kalfem/identification/unknown_inputs.hpp"
 
 namespace kalfem {
+
+/// What follows the first answer of an estimation: it is not asked for, to come, at its end, or ended before that.
+enum class SecondThoughts { none, pending, done, stopped };
+
+/// "pending" and so on.
+std::string to_string(SecondThoughts thoughts);
 
 /// What a filter's run over a record gives: the estimates with both their deviations, whether the innovations are
 /// consistent, and the record again from the estimates alone.
@@ -46,6 +53,9 @@ struct RecordEstimate {
   std::optional<SmoothedRecord> smoothed;
   std::vector<EstimatedInput> smoothed_inputs;
   Eigen::VectorXd robust_deviation;  ///< one per unknown [its unit]; NaN if it drifts, or after a failure
+  SecondThoughts second_thoughts = SecondThoughts::done;
+  std::vector<std::string> left_out = {};     ///< searches that the settings' second_thoughts do not allow, in words
+  double steps_left = StepBudget::unlimited;  ///< filter steps that they allow for what is still to come
   int reductions =
       0;  ///< repeated reductions of the finite elements at the estimated parameters, each with a run over the record
   std::optional<SimulationResult>
@@ -55,6 +65,8 @@ struct RecordEstimate {
   std::vector<double> open_loop_nrmse;       ///< per sensor, about the channel's rest
   std::vector<double> open_loop_rest_error;  ///< last value against the channel's, per sensor
 
+  /// Notes a search that second_thoughts do not allow.
+  void leave_out(std::string what);
   /// Whether the filter computed any sample: without one there is nothing to tell or to draw.
   [[nodiscard]] bool has_samples() const { return !result.failure || result.failure->computed > 0; }
   /// When and why the filter stopped, in words; empty if it ran to the end.
@@ -66,17 +78,20 @@ struct RecordEstimateOptions {
   std::vector<OutputDescription> monitored = {};  ///< further quantities to estimate at every sample
   int deviation_stride = 1;                       ///< see EstimationOptions
   Progress progress = {};
+  /// Called with the first answer, before the second thoughts. What its substeps bias stands in its intervals.
+  std::function<void(const RecordEstimate&)> on_first_answer = {};
 };
 
-/// Finds the likelihood unknowns (estimate_likelihood_unknowns()), runs the filter over the corrected record
-/// (run_refined_filter()) and evaluates its result: consistency after settling, robust
-/// deviations, and, if the initial state was estimated too, the simulation from the estimates alone (open loop).
+/// Finds the likelihood unknowns (estimate_likelihood_unknowns()), runs the filter over the corrected record with as
+/// many substeps as the estimates need, and evaluates its result: consistency after settling, robust deviations, and,
+/// if the initial state was estimated too, the simulation from the estimates alone (open loop).
 RecordEstimate estimate_record(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
                                const Record& record, const RecordEstimateOptions& options = {});
 
-/// The same. If linear unknowns end far from the values at which the finite elements were reduced, reduces these at the
-/// estimates, replaces `setup`, and runs over the record again. Then, unless the settings' `diagnose` is off, finds
-/// what depends on the process noise (study_process_noise()). Throws InvalidInput if a reduction fails.
+/// The same, the first answer first, and within what the settings' `second_thoughts` allow: more substeps, changes of
+/// unknowns and other process noise (study_process_noise()), the last two unless the settings' `diagnose` is off. If
+/// linear unknowns end far from the values at which the finite elements were reduced, reduces these at the estimates,
+/// replaces `setup`, and runs over the record again. Throws InvalidInput if a reduction fails.
 RecordEstimate estimate_record_thoroughly(const EstimationProblemPtr& problem, AugmentedModelSetup& setup,
                                           const Record& record, const RecordEstimateOptions& options = {});
 

@@ -62,7 +62,7 @@ double square_of_ratio(int finer, int coarser) {
   return ratio * ratio;
 }
 
-/// Runs the filter with more and more substeps until the bias is small.
+/// Runs the filter with fewer and more substeps, to see what these change of the estimates.
 class SubstepSearch {
 public:
   SubstepSearch(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
@@ -72,54 +72,64 @@ public:
     options_.keep_unknowns = options_.keep_gains = options_.state_means = options_.state_deviations = false;
   }
 
-  SubstepChoice from(const EstimationResult& first) {
+  SubstepChoice compared_with_half(const EstimationResult& first) {
     SubstepChoice choice{.substeps = substeps_.first, .chosen = true};
     if (setup_.options.unknowns.empty()) {
       choice.words = "there is no unknown whose estimate they could bias";
       return choice;
     }
-    Estimates coarse = estimates_of(setup_, first, substeps_.first);
     choice.words = "from the change of the estimates with the substeps";
-    if (const auto bias = bias_against_half_of(coarse); bias && bias->maxCoeff() <= substeps_.largest_bias) {
-      choice.bias = *bias;
-      return choice;
-    }
+    if (const auto bias = bias_against_half_of(estimates_of(setup_, first, substeps_.first))) choice.bias = *bias;
+    choice.limited = choice.bias.size() == 0 || !is_small(choice.bias);
+    return choice;
+  }
+
+  SubstepChoice from(const EstimationResult& first, SubstepChoice choice, StepBudget& budget) {
+    if (!choice.limited) return choice;
+    Estimates coarse = estimates_of(setup_, first, substeps_.first);
+    VectorXd left;  // of the bias, by the runs of this search
     for (int next = 2 * substeps_.first;; next = enough(choice)) {
-      if (next > most()) {
-        choice.limited = choice.bias.size() == 0 || choice.bias.maxCoeff() > substeps_.largest_bias;
-        break;
+      if (next > most()) break;
+      const double steps = steps_of_run(*problem_, record_, next);
+      if (!budget.allows(2.0 * steps)) {  // this run and, should it be the last, that of the estimate
+        choice.stopped = true;
+        return choice;
       }
+      budget.take(steps);
       const auto fine = run_with(next);
       if (!fine) {
         choice.words = "because the filter failed with " + std::to_string(next);
+        choice.bias = left;
+        choice.limited = false;
         return choice;
       }
       if (contradicts_anyway(coarse, *fine))
-        return {.substeps = substeps_.first,
-                .chosen = true,
-                .words = "as more change nothing of how the model contradicts the record"};
+        return stays_with_first("as more change nothing of how the model contradicts the record");
       const VectorXd change = distance(setup_, coarse, *fine) / (square_of_ratio(next, coarse.substeps) - 1.0);
       const VectorXd of_coarse = change * square_of_ratio(next, coarse.substeps);
-      if (coarse.substeps == substeps_.first && of_coarse.maxCoeff() <= substeps_.largest_bias) {
+      if (coarse.substeps == substeps_.first && is_small(of_coarse)) {
         choice.bias = of_coarse;
         break;
       }
-      const bool falls = choice.bias.size() == 0 || change.maxCoeff() < choice.bias.maxCoeff();
-      if (!falls)
-        return {
-            .substeps = substeps_.first,
-            .chosen = true,
-            .words =
-                "as more do not settle the estimates: these depend on the way from their priors more than on the step"};
-      choice.bias = change;
+      if (left.size() > 0 && change.maxCoeff() >= left.maxCoeff())
+        return stays_with_first(
+            "as more do not settle the estimates: these depend on the way from their priors more than on the step");
+      choice.bias = left = change;
       choice.substeps = next;
-      if (change.maxCoeff() <= substeps_.largest_bias) break;
+      if (is_small(change)) break;
       coarse = *fine;
     }
+    choice.limited = choice.bias.size() == 0 || !is_small(choice.bias);
     return choice;
   }
 
 private:
+  [[nodiscard]] bool is_small(const VectorXd& bias) const { return bias.maxCoeff() <= substeps_.largest_bias; }
+
+  [[nodiscard]] SubstepChoice stays_with_first(std::string words) const {
+    return {.substeps = substeps_.first, .chosen = true, .words = std::move(words)};
+  }
+
   /// What is left of the bias with these substeps. Nothing where the filter fails with half of them, or runs with one.
   [[nodiscard]] std::optional<VectorXd> bias_against_half_of(const Estimates& estimates) const {
     if (estimates.substeps < 2) return std::nullopt;
@@ -167,10 +177,19 @@ RefinedFilter run_with(const EstimationProblemPtr& problem, AugmentedModelSetup&
 
 }  // namespace
 
+SubstepChoice compare_with_half(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
+                                const Record& record, const EstimationOptions& options, const EstimationResult& first,
+                                const SubstepOptions& substeps) {
+  return SubstepSearch(problem, setup, record, options, substeps).compared_with_half(first);
+}
+
 SubstepChoice choose_substeps(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
                               const Record& record, const EstimationOptions& options, const EstimationResult& first,
-                              const SubstepOptions& substeps) {
-  return SubstepSearch(problem, setup, record, options, substeps).from(first);
+                              SubstepChoice compared, StepBudget& budget, const SubstepOptions& substeps) {
+  SubstepChoice choice =
+      SubstepSearch(problem, setup, record, options, substeps).from(first, std::move(compared), budget);
+  if (choice.substeps != substeps.first) budget.take(steps_of_run(*problem, record, choice.substeps));
+  return choice;
 }
 
 RefinedFilter run_refined_filter(const EstimationProblemPtr& problem, AugmentedModelSetup setup, const Record& record,
@@ -187,7 +206,11 @@ RefinedFilter run_refined_filter(const EstimationProblemPtr& problem, AugmentedM
     return run_refined_filter(problem, std::move(setup), record, options, from_there);
   }
   setup.starts_at_rest = !first.filtered.run.start.moving;
-  auto choice = choose_substeps(problem, setup, record, options, first.filtered.result, substeps);
+  const auto& result = first.filtered.result;
+  StepBudget unlimited;
+  auto choice =
+      choose_substeps(problem, setup, record, options, result,
+                      compare_with_half(problem, setup, record, options, result, substeps), unlimited, substeps);
   if (choice.substeps == first.substeps.substeps) return {std::move(first.filtered), std::move(choice)};
   auto last = run_with(problem, setup, record, options, choice);
   if (!last.filtered.result.failure) return last;

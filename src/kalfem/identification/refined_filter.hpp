@@ -12,21 +12,24 @@ struct SubstepOptions {
   double most_input_values = 1e8;  ///< numbers of the inputs at all substeps of the record
 };
 
-/// The number of substeps at which the bias of every unknown's estimate is small. Connector forces and inputs are
-/// linear over a substep, so the bias falls with the square of their number N. Two runs over the record tell it
-/// (Richardson),
+/// The first comparison: what the substeps `options.first`, with which `first` was run, leave in the estimates, from
+/// one run more with half of them (Richardson),
 ///     bias(N) = |theta(N) - theta(N')| / ((N / N')^2 - 1),   N > N',
-/// in stated standard deviations: the robust ones would grow with the very errors that a coarse step makes. The whole
-/// record is used, because its hardest part, loud or fast, is seldom its start. `first`: result of a run with
-/// `substeps.first`. An unknown with a random walk counts by the root mean square over the record.
-///
-/// The first N is compared with half of it, which costs a quarter of a comparison with its double. Only where that does
-/// not show a small bias are more substeps tried.
-///
-/// Where the filter fails with more substeps, it stays with those of the last run that did not.
+/// in stated standard deviations: the robust ones would grow with the very errors that a coarse step makes. Connector
+/// forces and inputs are linear over a substep, so the bias falls with the square of their number N. The whole record
+/// is used, because its hardest part, loud or fast, is seldom its start. An unknown with a random walk counts by the
+/// root mean square over the record. `limited` where the bias is not small, or not known because the filter fails.
+SubstepChoice compare_with_half(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
+                                const Record& record, const EstimationOptions& options, const EstimationResult& first,
+                                const SubstepOptions& substeps = {});
+
+/// The number of substeps at which the bias of every unknown's estimate is small: `compared` where it is already, else
+/// as many more as the bias asks for, until it is. Where the filter fails with more substeps, it stays with those of
+/// the last run that did not. Ends, `limited`, before a run that the budget does not allow; that of the choice itself
+/// is the caller's to make, and is taken from the budget here.
 SubstepChoice choose_substeps(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
                               const Record& record, const EstimationOptions& options, const EstimationResult& first,
-                              const SubstepOptions& substeps = {});
+                              SubstepChoice compared, StepBudget& budget, const SubstepOptions& substeps = {});
 
 /// A run of the filter, and the substeps it was made with.
 struct RefinedFilter {

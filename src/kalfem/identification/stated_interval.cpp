@@ -1,5 +1,6 @@
 #include "kalfem/identification/stated_interval.hpp"
 
+#include <cmath>
 #include <tuple>
 
 namespace kalfem {
@@ -11,9 +12,11 @@ StatedInterval stated_interval(const RecordEstimate& estimate, Index i) {
   const Index last = state.mean.cols() - 1, row = estimate.augmented_model->layout().unknown() + i;
   const double stated = unknowns.deviation(i, last), robust = estimate.robust_deviation[i];
   const bool wider = stated > 0.0 && robust > stated;  // false where the robust one is not a number
+  const auto& substeps = estimate.substeps;
+  const double bias = substeps.limited && substeps.bias.size() > i ? substeps.bias[i] : 0.0;
   const auto& transform = estimate.augmented_model->options().unknowns[static_cast<std::size_t>(i)].transform;
-  const auto interval = confidence_interval(transform, state.mean(row, last),
-                                            state.deviation(row, last) * (wider ? robust / stated : 1.0));
+  const auto interval = confidence_interval(
+      transform, state.mean(row, last), state.deviation(row, last) * std::hypot(wider ? robust / stated : 1.0, bias));
   return {interval.lower, interval.upper, wider};
 }
 

@@ -12,7 +12,8 @@ struct StatedInterval {
 
 /// Interval of unknown `i` after the last sample from the larger of its two standard deviations, the filter's and the
 /// robust one. It is symmetric in the filter's state, which is the parameter or its transform:
-///     x -+ 1.96 s max(1, robust / stated)
+///     x -+ 1.96 s sqrt(max(1, robust / stated)^2 + b^2),
+/// b: the bias that the substeps leave, in s, where they have not settled; otherwise it is small and left out.
 StatedInterval stated_interval(const RecordEstimate& estimate, Eigen::Index i);
 
 }  // namespace kalfem

@@ -122,23 +122,11 @@ std::vector<PointQuantity> point_quantities(const Study& study, const StudyResul
   return points;
 }
 
-}  // namespace
-
-// Estimates, then compares each monitored quantity with the reference if the record was simulated.
-EstimationOutcome run_estimation(const Study& study, AugmentedModelSetup& setup, const StudyResults& results,
-                                 const Progress& progress) {
-  const Stopwatch watch;
-  const auto monitored = reported_quantities(*setup.model);
-  EstimationOutcome outcome{
-      estimate_record_thoroughly(study.problem, setup, record_of(study, results),
-                                 {monitored, samples_between_deviations(study.sample_rate()), progress}),
-      {},
-      {},
-      {},
-      {},
-      study.excitation_band,
-      {},
-      0.0};
+/// What is reported of an estimation, compared with the reference if the record was simulated.
+EstimationOutcome outcome_of(const Study& study, const StudyResults& results,
+                             const std::vector<OutputDescription>& monitored, RecordEstimate estimate,
+                             const Stopwatch& watch) {
+  EstimationOutcome outcome{std::move(estimate), {}, {}, {}, {}, study.excitation_band, {}, 0.0};
   keep_computed(outcome);
   outcome.points = point_quantities(study, results, outcome, monitored, outcome.result.monitored);
   if (outcome.smoothed)
@@ -147,6 +135,29 @@ EstimationOutcome run_estimation(const Study& study, AugmentedModelSetup& setup,
   compare_inputs(study, outcome, outcome.smoothed_inputs);
   if (!outcome.inputs.empty()) outcome.hardly_known = hardly_known(outcome);
   outcome.seconds = watch.seconds();
+  return outcome;
+}
+
+}  // namespace
+
+EstimationOutcome run_estimation(const Study& study, AugmentedModelSetup& setup, const StudyResults& results,
+                                 const Progress& progress,
+                                 const std::function<void(EstimationOutcome)>& on_first_answer) {
+  const Stopwatch watch;
+  const auto monitored = reported_quantities(*setup.model);
+  RecordEstimateOptions options{monitored, samples_between_deviations(study.sample_rate()), progress, {}};
+  double first_answer = 0.0;
+  options.on_first_answer = [&](const RecordEstimate& estimate) {
+    first_answer = watch.seconds();
+    if (estimate.second_thoughts != SecondThoughts::pending) return;
+    EstimationOutcome outcome = outcome_of(study, results, monitored, estimate, watch);
+    outcome.first_answer_seconds = first_answer;
+    on_first_answer(std::move(outcome));
+  };
+  EstimationOutcome outcome =
+      outcome_of(study, results, monitored,
+                 estimate_record_thoroughly(study.problem, setup, record_of(study, results), options), watch);
+  outcome.first_answer_seconds = first_answer;
   return outcome;
 }
 

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <string>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/diagnosis/look_for_cause.hpp"
 #include "kalfem/identification/augmented_model_setup.hpp"
@@ -116,11 +119,28 @@ std::optional<UpdatedParameters> updated_parameters(const StudyResults& results)
   return UpdatedParameters{results.updating->values, results.updating->statistics};
 }
 
-/// Suspicions become warnings.
+/// Suspicions become warnings, and so does what the second thoughts left out.
 void judge(const Study& study, StudyResults& results) {
+  if (results.estimation && results.estimation->second_thoughts == SecondThoughts::stopped && !results.interrupted)
+    results.warnings.push_back(fmt::format("not looked for, as second_thoughts: {:g} allow no more filter steps: {}",
+                                           study.problem->settings.second_thoughts,
+                                           fmt::join(results.estimation->left_out, "; ")));
   results.verdict = verdict_of(study, results);
   for (const auto& reason : results.verdict.reasons())
     if (reason.state == VerdictState::suspicious) results.warnings.push_back(sentence_of(reason));
+}
+
+/// Keeps the first answer, should the run be stopped, and hands it over, judged.
+void tell_first(const Study& study, const RunOptions& options, EstimationOutcome first, StudyResults& results) {
+  results.estimation = std::move(first);
+  if (!options.on_first_answer) return;
+  const auto warnings = results.warnings;
+  results.failure = results.estimation->failure();
+  judge(study, results);
+  results.identified = identified_case_of(study, results);
+  options.on_first_answer(results);
+  results.warnings = warnings;
+  results.failure.clear();
 }
 
 }  // namespace
@@ -191,7 +211,9 @@ void take_steps(const Study& study, Step last, const RunOptions& options, StudyR
   }
   std::optional<AugmentedModelSetup> augmented_model = updated ? updated->augmented_model : study.augmented_model;
   if (results.complete() && takes(Step::estimate, last) && augmented_model) {
-    results.estimation = run_estimation(study, *augmented_model, results, job.begin("estimate"));
+    results.estimation =
+        run_estimation(study, *augmented_model, results, job.begin("estimate"),
+                       [&](EstimationOutcome first) { tell_first(study, options, std::move(first), results); });
     results.failure = results.estimation->failure();
     job.begin("diagnose");
     const StructureParts& parts = updated ? updated->parts : study.structure->parts;
@@ -210,6 +232,8 @@ void take_steps(const Study& study, Step last, const RunOptions& options, StudyR
     results.validation = results.phases.measure("validate", [&] {
       return run_validation(study, parts_for_validation(study, augmented_model, results), results);
     });
+    if (results.estimation && results.validation->one_step_left_out)
+      results.estimation->leave_out("the prediction of the validation one sample ahead");
   }
   if (results.complete() && takes(Step::predict, last) && study.prediction) {
     const auto estimated = estimated_model(study, *augmented_model, updated, *results.estimation, results.failure);
@@ -237,6 +261,8 @@ StudyResults run_study(const Study& study, Step last, const RunOptions& options)
     if (!options.keep_finished) throw;
     results.interrupted = true;
     results.failure = "the run was stopped before its end";
+    if (results.estimation && results.estimation->second_thoughts == SecondThoughts::pending)
+      results.estimation->second_thoughts = SecondThoughts::stopped;
   }
   results.phases.measure("verdict", [&] {
     judge(study, results);

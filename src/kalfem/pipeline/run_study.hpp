@@ -78,6 +78,7 @@ struct EstimationOutcome : RecordEstimate {
   std::optional<FrequencyBand> band;           ///< of the excitation, if it has one
   std::optional<Diagnosis> diagnosis;          ///< where the numbers contradict themselves: which mistake explains it
   double seconds = 0.0;
+  double first_answer_seconds = 0.0;  ///< of these, until the first answer
 };
 
 struct PredictionOutcome {
@@ -186,6 +187,8 @@ struct RunOptions {
   Progress progress = {};             ///< of the whole run: "simulate (1 of 3): reference 3 of at most 7"
   std::filesystem::path folder = {};  ///< where long steps keep their checkpoints; empty: nowhere
   std::function<void(int number, const UpdatingStep&)> on_updating_step = {};
+  /// Called with what the run found so far, judged, once its estimation has its first answer.
+  std::function<void(const StudyResults&)> on_first_answer = {};
   std::function<SimulationOutcome()> simulation = {};  ///< gives that of this case where it is made already
   bool keep_finished = false;  ///< asked to stop, the run returns the steps that are finished; otherwise it throws
 };

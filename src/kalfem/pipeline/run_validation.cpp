@@ -134,8 +134,11 @@ double mean_of_known(const VectorXd& values) {
   return known.select(values.array(), 0.0).sum() / std::max<double>(1.0, static_cast<double>(known.count()));
 }
 
-/// What the filter predicts one sample ahead with the parameters held, less what was measured; empty where it stops.
-MatrixXd one_step_errors(const EstimationProblemPtr& problem, AugmentedModelSetup setup, const Record& record) {
+/// What the filter predicts one sample ahead with the parameters held, less what was measured; empty where it stops,
+/// and where the budget does not allow that.
+MatrixXd one_step_errors(const EstimationProblemPtr& problem, AugmentedModelSetup setup, const Record& record,
+                         StepBudget& budget) {
+  if (!budget.take(steps_of_run(*problem, record, setup.options.substeps))) return {};
   setup.options.keep_initial_state = false;
   const auto filtered = run_filter(problem, setup, record,
                                    {.unscented = problem->settings.unscented,
@@ -171,7 +174,7 @@ Index lead_in_samples(double lead_in, const Record& record) {
 /// Simulates the record from the state that its first samples show. `lead_in` [s]; nothing: from rest.
 OpenLoopComparison compare_open_loop(const Study& study, const EstimatedStructure& structure,
                                      const PreparedRecord& record, const std::vector<SignalPtr>& signals,
-                                     std::optional<double> lead_in, const MotionRange& range) try {
+                                     std::optional<double> lead_in, const MotionRange& range, StepBudget& budget) try {
   const auto problem = lead_in_problem(study, structure, record, signals);
   IssueList issues;
   AugmentedModelSetup setup = make_augmented_model_setup(*problem, structure.parts, {}, issues);
@@ -196,7 +199,7 @@ OpenLoopComparison compare_open_loop(const Study& study, const EstimatedStructur
   comparison.failure = open_loop_failure(simulated, comparison.measured, "the simulation with the estimates");
   if (!comparison.failure.empty()) return comparison;
   comparison.simulated = simulated.sensors.colwise() + start.rest;
-  set_errors(has_state ? one_step_errors(problem, setup, record.record) : MatrixXd(), comparison);
+  set_errors(has_state ? one_step_errors(problem, setup, record.record, budget) : MatrixXd(), comparison);
   return comparison;
 } catch (const InvalidInput& error) {
   return {.failure = "the estimates make no structure: " + error.issues().front().what};
@@ -246,13 +249,16 @@ ValidationOutcome run_validation(const Study& study, const StructureParts& base,
     outcome.held_back.failure = "the estimates make no structure: " + error.issues().front().what;
     return outcome;
   }
-  ValidationOutcome outcome{
-      .held_back = compare_open_loop(study, structure, corrected(plan.record, results), plan.signals, lead_in, range)};
+  StepBudget budget(results.estimation ? results.estimation->steps_left : StepBudget::unlimited);
+  ValidationOutcome outcome{.held_back = compare_open_loop(study, structure, corrected(plan.record, results),
+                                                           plan.signals, lead_in, range, budget)};
+  outcome.one_step_left_out = budget.refused();
   if (!study.record) return outcome;
   const Record& own = study.record->record;
   const auto own_lead_in = lead_in ? std::optional(std::min(*lead_in, 0.5 * (own.end() - own.start))) : std::nullopt;
   outcome.own = compare_open_loop(study, structure, corrected(*study.record, results), study.structure->signals,
-                                  own_lead_in, range);
+                                  own_lead_in, range, budget);
+  outcome.one_step_left_out = budget.refused();
   return outcome;
 }
 

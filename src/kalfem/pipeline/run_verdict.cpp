@@ -21,7 +21,7 @@ std::vector<Reason> reasons_of(const std::vector<UpdatingParameter>& parameters,
 }
 
 std::vector<Reason> reasons_of(const ValidationOutcome& outcome) {
-  const auto& [held_back, own] = outcome;
+  const auto &held_back = outcome.held_back, &own = outcome.own;
   if (!held_back.failure.empty())
     return {{"validation_failed", "", "the validation gave no comparison: " + held_back.failure,
              "the estimates do not describe the structure by themselves: check the priors, the laws and the inputs",

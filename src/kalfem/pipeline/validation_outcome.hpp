@@ -24,6 +24,7 @@ struct OpenLoopComparison {
 /// The estimates on data that they were not estimated from, and beside it the same on those that they were.
 struct ValidationOutcome {
   OpenLoopComparison held_back, own;
+  bool one_step_left_out = false;  ///< in one of them, as second_thoughts allow no further run
 };
 
 }  // namespace kalfem

@@ -127,6 +127,22 @@ std::string identified_case(const IdentifiedCase& identified, const std::string&
   return "# run " + run + ", with the values that it found in the places of its parameters\n" + identified.yaml;
 }
 
+/// Writes the case as it ran, and with what it found.
+void write_cases(const fs::path& staging, const Study& study, const StudyResults& results, const std::string& run) {
+  write_file_atomically(staging / "case.resolved.yaml", resolved_case(study, run));
+  if (results.identified)
+    write_file_atomically(staging / "case.identified.yaml", identified_case(*results.identified, run));
+}
+
+/// Writes summary.json beside the other files of the staging folder; their names, and the summary.
+ResultSet write_summary(const fs::path& staging, Json summary, const Stopwatch& run) {
+  Names files = files_in(staging);
+  files.insert(std::ranges::lower_bound(files, "summary.json"), "summary.json");
+  std::string text = summary_text(std::move(summary), files, run.seconds());
+  write_file_atomically(staging / "summary.json", text);
+  return {.files = std::move(files), .removed = {}, .summary = std::move(text)};
+}
+
 /// Writes all files of the run into the staging folder; their names, and the summary.
 ResultSet write_files(const fs::path& staging, const Study& study, const StudyResults& results, const Stopwatch& run) {
   const Stopwatch writing;
@@ -136,21 +152,15 @@ ResultSet write_files(const fs::path& staging, const Study& study, const StudyRe
   write_fields(staging.string(), study, results);
   write_superelements(staging, study);
   if (results.frequency_response) write_frequency_responses(staging, *results.frequency_response);
-  write_file_atomically(staging / "case.resolved.yaml", resolved_case(study, identity));
-  if (results.identified)
-    write_file_atomically(staging / "case.identified.yaml", identified_case(*results.identified, identity));
+  write_cases(staging, study, results, identity);
   Page page = make_page(study, results);
   page.run = identity;
   for (const auto& file : files_in(staging))
     if (file.find('/') == std::string::npos) page.files.push_back(file);
   page.files.emplace_back("summary.json");
   write_file_atomically(staging / "report.html", render_html(page));
-  Names files = files_in(staging);
-  files.insert(std::ranges::lower_bound(files, "summary.json"), "summary.json");
   summary["timing"]["write_s"] = writing.seconds();
-  std::string text = summary_text(std::move(summary), files, run.seconds());
-  write_file_atomically(staging / "summary.json", text);
-  return {.files = std::move(files), .removed = {}, .summary = std::move(text)};
+  return write_summary(staging, std::move(summary), run);
 }
 
 /// The user knows a file by the name that it would have got, not by that in the staging folder.
@@ -190,6 +200,22 @@ std::string summary_text(Json summary, const Names& files, double total_seconds)
   summary["files"] = files;
   summary["timing"]["total_s"] = total_seconds;
   return with_unicode_escapes(summary.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
+}
+
+Names write_first_answer(OutputFolder& folder, const Study& study, const StudyResults& results, const Stopwatch& run) {
+  try {
+    Json summary = summarise(study, results);
+    write_cases(folder.staging(), study, results, summary["run"]);
+    const ResultSet written = write_summary(folder.staging(), std::move(summary), run);
+    Names former = former_files(folder.path()), removed;
+    for (const auto& name : former)
+      if (!std::ranges::binary_search(written.files, name) && fs::is_regular_file(folder.path() / name))
+        removed.push_back(name);
+    folder.replace(former);
+    return removed;
+  } catch (const WriteFailure& failure) {
+    throw with_final_names(failure, folder);
+  }
 }
 
 ResultSet write_result_set(OutputFolder& folder, const Study& study, const StudyResults& results,

@@ -119,7 +119,7 @@ Json prediction_summary(const StudyResults& results) {
 
 Json validation_summary(const ValidationOutcome& outcome) {
   Json sensors = Json::object();
-  const auto& [held_back, own] = outcome;
+  const auto &held_back = outcome.held_back, &own = outcome.own;
   for (std::size_t j = 0; j < held_back.nrmse.size(); ++j)
     sensors[held_back.measured.channels[j].name] = {
         {"nrmse", number(held_back.nrmse[j])},
@@ -175,6 +175,11 @@ Json verdict_summary(const Verdict& verdict) {
   return {{"state", to_string(verdict.state())}, {"reasons", reasons}};
 }
 
+/// Null where nothing was estimated.
+Json second_thoughts_summary(const StudyResults& results) {
+  return results.estimation ? Json(to_string(results.estimation->second_thoughts)) : Json();
+}
+
 }  // namespace
 
 Json summarise(const Study& study, const StudyResults& results) {
@@ -184,6 +189,7 @@ Json summarise(const Study& study, const StudyResults& results) {
                   {"title", study.title},
                   {"status", results.usable() ? "ok" : "unusable"},
                   {"message", results.why_unusable()},
+                  {"second_thoughts", second_thoughts_summary(results)},
                   {"verdict", verdict_summary(results.verdict)},
                   {"model", model_summary(study, results)}};
   std::vector<std::string> warnings = study.warnings;
@@ -203,6 +209,8 @@ Json summarise(const Study& study, const StudyResults& results) {
       summary["hardly_known"] = results.estimation->hardly_known;
     }
     summary["estimation"] = estimation_summary(*results.estimation);
+    summary["estimation"]["first_answer_s"] = number(results.estimation->first_answer_seconds);
+    if (!results.estimation->left_out.empty()) summary["estimation"]["left_out"] = results.estimation->left_out;
     if (!results.estimation->events.empty()) summary["events"] = events_summary(*results.estimation);
     if (results.estimation->result.noise)
       summary["estimation"]["adaptive_noise"] = adaptive_noise_summary(*results.estimation);

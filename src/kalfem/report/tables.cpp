@@ -216,7 +216,7 @@ Table open_loop_table(const EstimationOutcome& outcome) {
 }
 
 Table validation_table(const ValidationOutcome& outcome) {
-  const auto& [held_back, own] = outcome;
+  const auto &held_back = outcome.held_back, &own = outcome.own;
   Table table{"Open loop on the validation part",
               {"sensor", "NRMSE", "on the estimated part", "one step ahead", "noise / rms"},
               {},
@@ -282,7 +282,9 @@ std::string substep_words(const EstimationOutcome& outcome) {
   const auto& unknown = outcome.augmented_model->options().unknowns[static_cast<std::size_t>(largest)];
   return fmt::format("{}, chosen {}: they bias the estimates by at most {:.2g} standard deviations ('{}'){}", number,
                      choice.words, choice.bias[largest], unknown.name,
-                     choice.limited ? "; more substeps would be needed, but the limit is reached" : "");
+                     choice.stopped   ? "; more substeps are needed than second_thoughts allow"
+                     : choice.limited ? "; more substeps would be needed, but the limit is reached"
+                                      : "");
 }
 
 std::string speed_in_words(double ratio) {
@@ -314,6 +316,12 @@ bool depends_on_process_noise(const Verdict& verdict) {
 }
 
 }  // namespace
+
+std::string console_first_answer(const Study& study, const StudyResults& results) {
+  const auto& outcome = *results.estimation;
+  return fmt::format("First answer, after {:.1f} s: second thoughts follow\n{}\n", outcome.first_answer_seconds,
+                     to_text(parameter_table(study, outcome)));
+}
 
 std::string console_report(const Study& study, const StudyResults& results) {
   std::string text;

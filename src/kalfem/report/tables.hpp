@@ -38,6 +38,9 @@ std::string substep_words(const EstimationOutcome& outcome);
 /// Parameters, consistency and errors as a person reads them on a terminal.
 std::string console_report(const Study& study, const StudyResults& results);
 
+/// The parameters of the first answer, and that second thoughts follow.
+std::string console_first_answer(const Study& study, const StudyResults& results);
+
 /// Mass of a substructure with its unit, and the part that is free to move where some of it is held:
 /// "15.7 kg (11.8 kg of it free to move)".
 std::string mass_text(const FiniteElementPart& part);

@@ -230,6 +230,7 @@ EstimationProblem make_estimation_problem(const CaseStudy& study, IssueList& iss
                       .threads = given.threads,
                       .outliers = given.outliers,
                       .diagnose = given.diagnose,
+                      .second_thoughts = given.second_thoughts,
                       .smooth = given.smooth};
   problem.settings.unknown_inputs = unknown_inputs_of(study, issues);
   const StructureModel held = held_structure(study, issues);

@@ -1,0 +1,254 @@
+#include "kalfem/identification/record_estimation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "kalfem/identification/estimated_open_loop.hpp"
+#include "kalfem/identification/refined_filter.hpp"
+#include "kalfem/identification/robust_deviations.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+/// A filter that fails with the first substeps is tried once with so many times more.
+constexpr int rescue = 4;
+/// Of a sample interval in the search for a jump: what finer steps add is smaller than the jumps that are told.
+constexpr int most_jump_substeps = 8;
+
+/// Takes the rows of unknown inputs, which stand behind the monitored quantities.
+std::vector<EstimatedInput> take_inputs(const std::vector<UnknownInput>& inputs, EstimatedSeries& monitored) {
+  auto& [mean, deviation] = monitored;
+  const auto count = static_cast<Index>(inputs.size()), others = mean.rows() - count;
+  std::vector<EstimatedInput> taken;
+  for (Index i = 0; i < count; ++i)
+    taken.push_back(
+        {inputs[static_cast<std::size_t>(i)], mean.row(others + i).transpose(), deviation.row(others + i).transpose()});
+  mean.conservativeResize(others, Eigen::NoChange);
+  deviation.conservativeResize(others, Eigen::NoChange);
+  return taken;
+}
+
+/// Samples before the first one of the error and consistency figures. A run that failed while it settled is judged from
+/// its start.
+Index settled_samples(const EstimationResult& result, const Record& measured, double settle) {
+  const auto& failure = result.failure;
+  const Index samples = failure ? std::max<Index>(1, failure->computed) : measured.samples();
+  const auto settled = static_cast<Index>(std::llround(settle * measured.sample_rate));
+  return failure && settled >= samples ? 0 : std::min(settled, samples - 1);
+}
+
+/// The deviations of the filter's unknowns with what those of the likelihood unknowns add.
+void add_uncertainty(const LikelihoodEstimate& likelihood, RecordEstimate& estimate) {
+  auto& result = estimate.result;
+  const Index first = estimate.augmented_model->layout().unknown(), count = likelihood.added_covariance.rows();
+  if (result.failure || count == 0) return;
+  result.final_covariance.block(first, first, count, count) += likelihood.added_covariance;
+  for (Index i = 0; i < count; ++i) {
+    const auto& transform = estimate.augmented_model->options().unknowns[static_cast<std::size_t>(i)].transform;
+    const auto widened = [](double deviation, double added) { return std::sqrt(deviation * deviation + added); };
+    for (Index k = 0; k < result.unknowns.mean.cols(); ++k) {
+      const double slope = transform.slope(result.state.mean(first + i, k));
+      result.state.deviation(first + i, k) =
+          widened(result.state.deviation(first + i, k), likelihood.added_covariance(i, i));
+      result.unknowns.deviation(i, k) = slope * result.state.deviation(first + i, k);
+    }
+    const double slope = transform.slope(result.state.mean(first + i, result.state.mean.cols() - 1));
+    estimate.robust_deviation[i] =
+        widened(estimate.robust_deviation[i], slope * slope * likelihood.added_covariance(i, i));
+  }
+}
+
+/// A change of an unknown as an event of the record.
+SensorEvent event_of(const RecordEstimate& estimate, const ParameterJump& jump) {
+  const auto& unknown = estimate.augmented_model->options().unknowns[static_cast<std::size_t>(jump.unknown)];
+  const double time = estimate.measurements.time(jump.sample);
+  return {.kind = EventKind::jump,
+          .channel = unknown.name,
+          .from = time,
+          .to = time,
+          .count = estimate.measurements.samples() - jump.sample,
+          .text = fmt::format(
+              "'{}' changes at {:.6g} s from {:.6g} to {:.6g} {} (by {:.3g}, standard deviation {:.2g})", unknown.name,
+              time, jump.before, jump.after, unknown.unit, jump.after - jump.before, jump.deviation)};
+}
+
+EstimationOptions filter_options(const EstimationProblem& problem, const AugmentedModelSetup& setup,
+                                 const RecordEstimateOptions& options) {
+  const auto& settings = problem.settings;
+  return {.unscented = settings.unscented,
+          .threads = filter_threads(settings),
+          .passes = settings.passes,
+          .state_deviations = false,
+          .deviation_stride = options.deviation_stride,
+          .keep_unknowns = true,
+          .adaptive_noise = settings.adaptive_noise,
+          .monitored = with_inputs(make_outputs(*setup.model, options.monitored),
+                                   held_by(settings.unknown_inputs, setup), *setup.model),
+          .progress = options.progress};
+}
+
+}  // namespace
+
+RecordEstimation::RecordEstimation(EstimationProblemPtr problem, AugmentedModelSetup setup, Record record,
+                                   const RecordEstimateOptions& options)
+    : problem_(std::move(problem)), setup_(std::move(setup)), record_(std::move(record)), options_(options) {
+  options_.progress = passes_of(options.progress, "filter pass");
+}
+
+void RecordEstimation::answer() {
+  correct();
+  run_first();
+  const SubstepChoice& choice = estimate_.substeps;
+  if (!choice.chosen || setup_.substeps || estimate_.result.failure) return;
+  screening_->keep_start(estimate_.start);
+  SubstepChoice compared = compare_with_half(problem_, screening_->setup(), screening_->record(), screening_->options(),
+                                             estimate_.result, {.first = choice.substeps});
+  other_steps_ += steps_of_run(*problem_, record_, choice.substeps / 2);
+  estimate_.substeps = std::move(compared);
+}
+
+/// Finds gains, delays and noise by maximum likelihood. Where the filter fails at their first guesses, these are taken,
+/// for its failure.
+void RecordEstimation::correct() {
+  const auto& unknowns = problem_->settings.likelihood_unknowns;
+  if (unknowns.empty()) return;
+  likelihood_ = estimate_likelihood_unknowns(
+      problem_, setup_, record_,
+      {.unscented = problem_->settings.unscented, .adaptive_noise = problem_->settings.adaptive_noise});
+  CorrectedProblem at;
+  if (likelihood_) {
+    at = likelihood_->corrected;
+  } else {
+    VectorXd values(static_cast<Index>(unknowns.size()));
+    for (Index i = 0; i < values.size(); ++i) values[i] = unknowns[static_cast<std::size_t>(i)].initial;
+    at = corrected(problem_, setup_, record_, values);
+  }
+  problem_ = at.problem;
+  setup_ = at.setup;
+  record_ = at.record;
+}
+
+/// With the substeps that are given, those decided before, or the first ones to try.
+void RecordEstimation::run_first() {
+  SubstepChoice choice{.substeps = SubstepOptions{}.first, .chosen = true};
+  const auto& given = problem_->settings.substeps;
+  if (given) choice = {.substeps = *given, .words = "given"};
+  if (!given && setup_.substeps) choice = *setup_.substeps;
+  const auto screen = [&](int substeps) {
+    screening_.emplace(problem_, setup_, record_, filter_options(*problem_, setup_, options_));
+    return screening_->run(substeps);
+  };
+  FilteredRecord filtered = screen(choice.substeps);
+  if (filtered.result.failure && !given && !setup_.substeps) {
+    const Screening coarse = *screening_;
+    FilteredRecord finer = screen(rescue * choice.substeps);
+    if (finer.result.failure) {
+      screening_ = coarse;
+    } else {
+      choice.substeps *= rescue;
+      filtered = std::move(finer);
+    }
+  }
+  evaluate(std::move(filtered), std::move(choice));
+}
+
+void RecordEstimation::settle_substeps(StepBudget& budget) {
+  const SubstepChoice& first = estimate_.substeps;
+  if (!first.limited || !first.chosen || estimate_.result.failure) return;
+  const SubstepOptions options{.first = first.substeps};
+  SubstepChoice choice = choose_substeps(problem_, screening_->setup(), screening_->record(), screening_->options(),
+                                         estimate_.result, first, budget, options);
+  if (choice.stopped) estimate_.leave_out("more substeps");
+  if (choice.substeps == first.substeps) {
+    estimate_.substeps = std::move(choice);
+    return;
+  }
+  FilteredRecord finer = screening_->run(choice.substeps);
+  if (!finer.result.failure) return evaluate(std::move(finer), std::move(choice));
+  const double ratio = static_cast<double>(choice.substeps) / first.substeps;
+  choice.words = "because the filter failed with " + std::to_string(choice.substeps);
+  choice.bias *= ratio * ratio;
+  choice.substeps = first.substeps;
+  choice.limited = true;
+  estimate_.substeps = std::move(choice);
+}
+
+/// The run of the estimate, with fewer substeps where it has many.
+FilterRun RecordEstimation::coarse_run() const {
+  AugmentedModelSetup setup = screening_->setup();
+  setup.starts_at_rest = !estimate_.start.moving;
+  setup.options.substeps = most_jump_substeps;
+  return make_filter_run(problem_, setup, screening_->record());
+}
+
+void RecordEstimation::look_for_jump(StepBudget& budget) {
+  // Where the step is too coarse, the estimates are those of the step, not of the record.
+  if (!problem_->settings.diagnose || estimate_.substeps.limited) return;
+  const int substeps = std::min(most_jump_substeps, estimate_.substeps.substeps);
+  const std::optional<FilterRun> coarse =
+      estimate_.substeps.substeps > substeps ? std::optional(coarse_run()) : std::nullopt;
+  const FilterRun& run = coarse ? *coarse : *run_;
+  EstimationOptions options = screening_->options();
+  options.filter = run.choice.filter;
+  const auto search = find_parameter_jump(*run.choice.augmented_model, run.input, options, estimate_.result,
+                                          estimate_.settled, static_cast<double>(record_.samples()) * substeps, budget);
+  if (search.stopped) estimate_.leave_out("a change of an unknown within the record");
+  if (!search.jump) return;
+  estimate_.jump = search.jump;
+  estimate_.events.push_back(event_of(estimate_, *search.jump));
+}
+
+void RecordEstimation::study_process_noise(StepBudget& budget) {
+  if (!problem_->settings.diagnose || estimate_.substeps.limited) return;
+  auto study = kalfem::study_process_noise(problem_, setup_, record_, estimate_, budget);
+  if (study.stopped) estimate_.leave_out("other process noise");
+  estimate_.process_noise = std::move(study.trials);
+}
+
+/// Makes the estimate of a run.
+void RecordEstimation::evaluate(FilteredRecord filtered, SubstepChoice substeps) {
+  const auto& settings = problem_->settings;
+  const auto unknown_inputs = held_by(settings.unknown_inputs, setup_);
+  EstimationOptions of_filter = screening_->options();
+  of_filter.filter = filtered.run.choice.filter;
+  std::optional<SmoothedRecord> smoothed;
+  if (settings.smooth && !filtered.result.failure)
+    smoothed = smooth(*filtered.run.choice.augmented_model, filtered.run.input, of_filter, filtered.result);
+  auto events = screening_->events(filtered.result);
+  RecordEstimate estimate{.filter = filtered.run.choice.filter,
+                          .filter_reason = filtered.run.choice.reason,
+                          .attempts = std::move(filtered.attempts),
+                          .substeps = std::move(substeps),
+                          .start = filtered.run.start,
+                          .augmented_model = filtered.augmented_model(),
+                          .result = std::move(filtered.result),
+                          .measurements = without(filtered.run.input.measured, events),
+                          .outliers = of_filter.outliers.treatment,
+                          .held_out = of_filter.held_out,
+                          .events = std::move(events)};
+  estimate.settled = settled_samples(estimate.result, estimate.measurements, settings.settle);
+  estimate.inputs = take_inputs(unknown_inputs, estimate.result.monitored);
+  if (smoothed) estimate.smoothed_inputs = take_inputs(unknown_inputs, smoothed->monitored);
+  estimate.smoothed = std::move(smoothed);
+  estimate.consistency =
+      summarise_consistency(estimate.result.nis, estimate.result.measured, estimate.result.innovation,
+                            estimate.measurements.noise(), estimate.settled);
+  set_robust_deviations(estimate);
+  if (settings.estimate_initial_state && !estimate.result.failure && !settings.local && unknown_inputs.empty())
+    set_open_loop(*problem_, setup_, estimate);
+  if (likelihood_) add_uncertainty(*likelihood_, estimate);
+  estimate.likelihood = likelihood_;
+  estimate.second_thoughts = estimate_.second_thoughts;
+  estimate.left_out = std::move(estimate_.left_out);
+  estimate.reductions = estimate_.reductions;
+  run_ = std::move(filtered.run);
+  estimate_ = std::move(estimate);
+}
+
+}  // namespace kalfem

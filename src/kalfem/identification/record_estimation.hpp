@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+
+#include "kalfem/identification/record_estimate.hpp"
+#include "kalfem/identification/screening.hpp"
+
+namespace kalfem {
+
+/// One estimation from a record, part by part; estimate() holds what is known so far:
+///
+/// 1. answer(): the likelihood unknowns, the filter over the record without the samples of faulty sensors, and a run
+///    with half of its substeps, which tells what these leave in the estimates.
+/// 2. settle_substeps(): as many more substeps as that bias asks for.
+/// 3. look_for_jump(): an unknown that is not constant.
+///
+/// Each search behind the answer ends before a run that the budget does not allow, and is then among what was left out.
+class RecordEstimation {
+public:
+  RecordEstimation(EstimationProblemPtr problem, AugmentedModelSetup setup, Record record,
+                   const RecordEstimateOptions& options);
+
+  void answer();
+  void settle_substeps(StepBudget& budget);
+  void look_for_jump(StepBudget& budget);
+  void study_process_noise(StepBudget& budget);
+
+  [[nodiscard]] RecordEstimate& estimate() { return estimate_; }
+  [[nodiscard]] double steps() const { return screening_->steps() + other_steps_; }  ///< filter steps so far
+
+private:
+  void correct();
+  void run_first();
+  void evaluate(FilteredRecord filtered, SubstepChoice substeps);
+  [[nodiscard]] FilterRun coarse_run() const;
+
+  EstimationProblemPtr problem_;  ///< with gains, delays and noise at their likeliest, once these are found
+  AugmentedModelSetup setup_;
+  Record record_;
+  RecordEstimateOptions options_;
+  std::optional<LikelihoodEstimate> likelihood_;
+  std::optional<Screening> screening_;
+  std::optional<FilterRun> run_;  ///< of the estimate
+  double other_steps_ = 0.0;      ///< beside those of the screening
+  RecordEstimate estimate_;
+};
+
+}  // namespace kalfem

@@ -1,0 +1,108 @@
+#include "kalfem/identification/screening.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kalfem {
+
+using Eigen::Index;
+
+namespace {
+
+constexpr int most_runs = 5;
+
+}  // namespace
+
+Screening::Screening(EstimationProblemPtr problem, AugmentedModelSetup setup, Record record, EstimationOptions options)
+    : problem_(std::move(problem)), setup_(std::move(setup)), record_(std::move(record)), options_(std::move(options)) {
+  options_.outliers.treatment = problem_->settings.outliers.value_or(OutlierTreatment::keep);
+  std::vector<std::string> names;
+  for (const auto& sensor : setup_.sensors) names.push_back(sensor.name);
+  measured_ = select_channels(record_, names);
+  if (problem_->settings.outliers != OutlierTreatment::keep) options_.held_out = constant_stretches(measured_);
+}
+
+FilteredRecord Screening::run(int substeps) {
+  const bool searches = problem_->settings.outliers != OutlierTreatment::keep;
+  FilteredRecord filtered = run_once(substeps);
+  for (int runs = 1; searches && runs < most_runs && changes(filtered.result); ++runs) {
+    state_noise(filtered.result);
+    filtered = run_once(substeps);
+  }
+  return filtered;
+}
+
+FilteredRecord Screening::run_once(int substeps) {
+  setup_.options.substeps = substeps;
+  steps_ += steps_of_run(*problem_, record_, substeps);
+  return run_filter(problem_, setup_, record_, options_);
+}
+
+std::vector<SensorEvent> Screening::events(const EstimationResult& result) const {
+  auto events = missing_samples(measured_);
+  for (auto& event : faults(result)) events.push_back(std::move(event));
+  return events;
+}
+
+/// Whether the result asks for another run, which the options then describe.
+bool Screening::changes(const EstimationResult& result) {
+  const bool restored =
+      std::erase_if(options_.held_out, [&](const HeldOutSamples& stretch) {
+        return stretch.end - stretch.begin >= 1 && !is_confirmed(stretch) && !contradicted(result, stretch);
+      }) > 0;
+  confirmed_ = options_.held_out;
+  bool found = false;
+  if (!result.failure) {
+    found = hold_out(silent_stretches(measured_, result));
+    found = hold_out(saturated_samples(measured_, result)) || found;
+  }
+  const bool spoilt = !problem_->settings.outliers && options_.outliers.treatment == OutlierTreatment::keep &&
+                      shows_outliers(result, settled(result));
+  if (spoilt) options_.outliers.treatment = OutlierTreatment::robust;
+  return restored || found || spoilt;
+}
+
+bool Screening::is_confirmed(const HeldOutSamples& stretch) const {
+  return std::ranges::any_of(confirmed_, [&](const auto& each) {
+    return each.channel == stretch.channel && each.begin == stretch.begin && each.end == stretch.end;
+  });
+}
+
+/// Those that no other stretch holds already.
+bool Screening::hold_out(const std::vector<HeldOutSamples>& found) {
+  bool any = false;
+  for (const auto& stretch : found) {
+    const bool held = std::ranges::any_of(confirmed_, [&](const auto& each) {
+      return each.channel == stretch.channel && each.begin < stretch.end && stretch.begin < each.end;
+    });
+    if (held) continue;
+    options_.held_out.push_back(stretch);
+    any = true;
+  }
+  confirmed_ = options_.held_out;
+  return any;
+}
+
+Index Screening::settled(const EstimationResult& result) const {
+  const auto count = static_cast<Index>(std::llround(problem_->settings.settle * record_.sample_rate));
+  return result.failure ? 0 : std::min(count, measured_.samples() - 1);
+}
+
+std::vector<SensorEvent> Screening::faults(const EstimationResult& result) const {
+  return events_of(measured_, result, options_.held_out, options_.outliers.limit);
+}
+
+/// The noise of sensors that state it relative to their rms, where part of the channel is no measurement.
+void Screening::state_noise(const EstimationResult& result) {
+  const auto events = faults(result);
+  const Record used = without(measured_, events);
+  for (const auto& sensor : setup_.sensors) {
+    const bool affected = std::ranges::any_of(events, [&](const auto& each) { return each.channel == sensor.name; });
+    if (!sensor.relative_noise || !affected) continue;
+    const Index row = used.find(sensor.name);
+    record_.channels[static_cast<std::size_t>(record_.find(sensor.name))].noise =
+        sensor.deviation(rms_of_present(used.values.row(row).transpose()));
+  }
+}
+
+}  // namespace kalfem
