@@ -247,6 +247,12 @@ TEST(AbaqusStepLoads, WeighAPartOfTheModel) {
   EXPECT_NEAR(with_cases(trusses + step("*DLOAD\nE, GRAV, 10., 1., 0., 0.\n")).load_cases.at(0).gravity.x(), 10.0, 0.0);
 }
 
+TEST(AbaqusStepLoads, OnElementsWithoutMassAreRefused) {
+  const std::string spring = "*ELEMENT, TYPE=SPRINGA, ELSET=S\n9, 1, 3\n*SPRING, ELSET=S\n\n1.E4\n";
+  for (const std::string load : {"GRAV, 10., 1., 0., 0.", "BX, 10.", "CENTRIF, 25., 0.5, 0., 0., 0., 0., 2."})
+    expect_problem(trusses + spring + step("*CLOAD\n3, 1, 1.\n*DLOAD\nS, " + load + "\n"), "elements without mass");
+}
+
 TEST(AbaqusStepLoads, RotateTheModel) {
   const auto deck = with_cases(trusses + step("*DLOAD\nE, CENTRIF, 25., 0.5, 0., 0., 0., 0., 2.\n"));
   const auto& rotation = deck.load_cases.at(0).rotation;

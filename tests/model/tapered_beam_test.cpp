@@ -83,10 +83,10 @@ TEST(TaperedBeams, WithEqualStationsAreBeams) {
     Eigen::VectorXd motions = Eigen::VectorXd::LinSpaced(12, -1e-3, 1e-3);
     const IsotropicMaterial steel{modulus, nu, density};
     const Ends pull = Ends::Constant(9.81);
-    const auto forces =
-                   beam_forces(along_x(), stations, stations.placement(0), steel, MassKind::consistent, motions, pull),
+    const auto forces = beam_forces(along_x(), stations, stations.placement(0), steel, MassKind::consistent, motions,
+                                    {pull}),
                plain_forces =
-                   beam_forces(along_x(), plain, plain.placement(0), steel, MassKind::consistent, motions, pull);
+                   beam_forces(along_x(), plain, plain.placement(0), steel, MassKind::consistent, motions, {pull});
     for (const std::size_t end : {0, 1})
       EXPECT_NEAR((forces[end] - plain_forces[end]).norm(), 0.0, 1e-10 * plain_forces[end].norm());
     const auto geometric = beam_geometric_stiffness(along_x(), stations, stations.placement(0), nu, 1e4),

@@ -1,6 +1,8 @@
 #include "kalfem/formats/abaqus/body_forces.hpp"
 
-#include "kalfem/model/assembly/assembly.hpp"
+#include <algorithm>
+
+#include "kalfem/model/statics/rotation.hpp"
 
 namespace kalfem::abaqus {
 
@@ -52,15 +54,6 @@ bool weigh_volume(FiniteElementModel& model) {
   return true;
 }
 
-Eigen::VectorXd consistent_forces(const FiniteElementModel& part, const AccelerationField& field) {
-  const AssembledModel assembled = assemble(part);
-  Eigen::VectorXd acceleration = Eigen::VectorXd::Zero(6 * part.mesh.node_count());
-  for (Index node = 0; node < part.mesh.node_count(); ++node)
-    acceleration.segment<3>(6 * node) = field.at(part.mesh.nodes.col(node));
-  const SparseMatrix mass = evaluate(assembled.mass, assembled.parameters);
-  return assembled.expansion * (mass * (assembled.expansion.transpose() * acceleration));
-}
-
 std::vector<bool> flags(const std::vector<Index>& members, std::size_t size) {
   std::vector<bool> is_member(size, false);
   for (const Index member : members) is_member[static_cast<std::size_t>(member)] = true;
@@ -98,11 +91,17 @@ std::optional<Eigen::VectorXd> field_forces(PlacedDeck& deck, const FiniteElemen
     cells[static_cast<std::size_t>(placed.cell)] = true;
   }
   FiniteElementModel part = with_cells(model, cells);
+  const auto is_loaded = [&](const auto& mass) { return loaded[static_cast<std::size_t>(mass.element)]; };
+  if (part.properties.empty() && std::ranges::none_of(deck.element_masses, is_loaded)) {
+    deck.problems.add(where, "a load on a part of the model acts on springs or other elements without mass",
+                      "gravity, rotation and forces per volume act on masses", "name elements that have mass");
+    return {};
+  }
   if (per_volume && !weigh_volume(part)) return refuse("composite or orthotropic shells");
   Eigen::VectorXd forces = part.properties.empty() ? Eigen::VectorXd(Eigen::VectorXd::Zero(6 * model.mesh.node_count()))
-                                                   : consistent_forces(part, field);
+                                                   : kalfem::field_forces(part, field);
   for (const auto& mass : deck.element_masses) {
-    if (!loaded[static_cast<std::size_t>(mass.element)]) continue;
+    if (!is_loaded(mass)) continue;
     if (mass.by_direction) return refuse("a *MASS, TYPE=ANISOTROPIC");
     forces.segment<3>(6 * mass.node) +=
         (per_volume ? mass.volume : mass.mass) * field.at(model.mesh.nodes.col(mass.node));

@@ -8,8 +8,8 @@ namespace kalfem::abaqus {
 /// Whether elements are all that have a mass, so that a load on them acts on the whole model.
 bool are_all_masses(const PlacedDeck& deck, const std::vector<Index>& elements);
 
-/// Forces of a field on some elements alone, 6 to a node: M_e a(x) with the consistent mass matrix M_e of the elements
-/// and their lumped masses; `per_volume`: the field is a force per volume, M_e that of the density 1. Nothing, and a
+/// Forces of a field on some elements alone, 6 to a node: those of kalfem::field_forces() and of their lumped masses;
+/// `per_volume`: the field is a force per volume, the masses those of the density 1. Nothing, and a
 /// problem at `where`, for what has no such matrix: quadratic shells and beams, masses by direction and, per volume,
 /// laminates.
 std::optional<Eigen::VectorXd> field_forces(PlacedDeck& deck, const FiniteElementModel& model,

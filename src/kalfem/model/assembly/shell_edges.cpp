@@ -20,6 +20,9 @@ using Eigen::Vector3d;
 constexpr double least_cosine = 0.70710678118654752;
 /// A surface is flat if the normals of its shells are within one degree of that of its first one.
 constexpr double flat_cosine = 0.99984769515639127;
+/// Rest of n that g may leave where the edge runs straight on. The sides of a curved surface's edge are in no one
+/// plane.
+constexpr double flat_rest = 0.01, curved_rest = 0.5;
 
 /// A shell with the normal of its corners' order.
 struct Facet {
@@ -83,6 +86,12 @@ public:
     return own != held_.end() && (own->second[1] * normal - normal).norm() < 1e-6;
   }
 
+  /// Whether the one axis of rotations that is left free, if any, leans less than 30 degrees out of the surface.
+  [[nodiscard]] bool nearly_holds_turn(Index node, const Vector3d& normal) const {
+    const auto own = held_.find(node);
+    return own != held_.end() && (own->second[1] * normal - normal).norm() < 0.5;
+  }
+
   /// Whether a held translation has a part along the surface.
   [[nodiscard]] bool holds_in_plane(Index node, const Vector3d& normal) const {
     const auto own = held_.find(node);
@@ -116,8 +125,7 @@ private:
   std::unordered_map<Index, std::array<Matrix3d, 2>> held_;  ///< of translations and rotations
 };
 
-void find_following(const FiniteElementModel& model, std::vector<Facet>& facets) {
-  const HeldNodes held(model);
+void find_following(const HeldNodes& held, std::vector<Facet>& facets) {
   if (held.empty()) return;
   std::set<Index> follow;
   for (const auto& facet : facets) {
@@ -176,8 +184,7 @@ void find_partners(const Mesh& mesh, std::vector<Facet>& facets, Surfaces& surfa
   }
 }
 
-/// Leaves the facets of curved surfaces as they are by themselves: in a shell that bends, neither the force at an edge
-/// nor a held turn is one in a plane.
+/// No corners of curved surfaces follow: where a shell bends, a held rotation is not one in a plane.
 std::vector<bool> facets_of_flat_surfaces(std::vector<Facet>& facets, Surfaces& surfaces) {
   std::vector<bool> flat(facets.size(), true);
   for (std::size_t f = 0; f < facets.size(); ++f) {
@@ -186,19 +193,19 @@ std::vector<bool> facets_of_flat_surfaces(std::vector<Facet>& facets, Surfaces& 
   }
   for (std::size_t f = 0; f < facets.size(); ++f) {
     flat[f] = flat[surfaces.root(f)];
-    if (!flat[f]) facets[f].straight = facets[f].following = {};
+    if (!flat[f]) facets[f].following = {};
   }
   return flat;
 }
 
 /// g_1 and g_2 with n = g_1 m_1 + g_2 m_2, of moderate size; nothing where there are none.
 std::optional<std::array<double, 2>> force_shares(const Vector3d& n, const Vector3d& m1, const Vector3d& m2,
-                                                  double length) {
+                                                  double length, double largest_rest) {
   const double largest = 4.0 / length;
   Eigen::Matrix<double, 3, 2> m;
   m << m1, m2;
   // The edge turns at an end: both are needed. Otherwise n, m_1 and m_2 are along one line, and the smallest serve.
-  for (const auto& [threshold, rest] : {std::pair{1e-9, 1e-3}, {0.1, 1e-2}}) {
+  for (const auto& [threshold, rest] : {std::pair{1e-9, 1e-3}, {0.1, largest_rest}}) {
     const Eigen::JacobiSVD<Eigen::MatrixXd> solver = [&, threshold = threshold] {
       Eigen::JacobiSVD<Eigen::MatrixXd> svd(m, Eigen::ComputeThinU | Eigen::ComputeThinV);
       svd.setThreshold(threshold);
@@ -220,11 +227,12 @@ using NodeOfSurface = std::pair<std::size_t, Index>;
 /// The sides of edges, each with its facet, and m_i of the edges' nodes.
 class Edges {
 public:
-  Edges(const Mesh& mesh, std::vector<Facet>& facets, Surfaces& surfaces, const std::vector<bool>& flat)
-      : mesh_(mesh), facets_(facets), surfaces_(surfaces) {
+  Edges(const Mesh& mesh, const HeldNodes& held, std::vector<Facet>& facets, Surfaces& surfaces,
+        const std::vector<bool>& flat)
+      : mesh_(mesh), held_(held), facets_(facets), surfaces_(surfaces), flat_(flat) {
     for (std::size_t f = 0; f < facets.size(); ++f)
       for (std::size_t i = 0; i < facets[f].count(); ++i) {
-        if (!flat[f] || facets[f].partners[i] > 0) continue;
+        if (facets[f].partners[i] > 0) continue;
         const Vector3d half = 0.5 * outward(mesh, facets[f], i);
         for (const auto node : {facets[f].nodes[i], facets[f].end(i)})
           normals_.try_emplace({surfaces.root(f), node}, Vector3d::Zero()).first->second += half;
@@ -243,8 +251,14 @@ private:
     Facet& facet = facets_[f];
     const std::size_t surface = surfaces_.root(f);
     const Index from = facet.nodes[side], to = facet.end(side);
+    if (held_.nearly_holds_turn(from, facet.normal) && held_.nearly_holds_turn(to, facet.normal)) return;
     const Vector3d across = outward(mesh_, facet, side), n = across.normalized();
-    const auto shares = force_shares(n, normals_.at({surface, from}), normals_.at({surface, to}), across.norm());
+    const auto in_plane = [&](Index node) -> Vector3d {
+      const Vector3d& m = normals_.at({surface, node});
+      return m - facet.normal * facet.normal.dot(m);
+    };
+    const auto shares =
+        force_shares(n, in_plane(from), in_plane(to), across.norm(), flat_[f] ? flat_rest : curved_rest);
     if (!shares) {
       facet.straight[side] = true;
       return;
@@ -256,8 +270,10 @@ private:
   }
 
   const Mesh& mesh_;
+  const HeldNodes& held_;
   std::vector<Facet>& facets_;
   Surfaces& surfaces_;
+  const std::vector<bool>& flat_;
   std::map<NodeOfSurface, Vector3d> normals_;
   std::vector<std::pair<std::size_t, std::size_t>> bulging_;
   std::map<NodeOfSurface, std::vector<BulgePart>> parts_;
@@ -278,7 +294,8 @@ void append_shares(int corner, const BulgePart& part, std::vector<EdgeShare>& sh
 // In this order: which corners follow, which sides meet others of their surface, then the edges that are left.
 ShellEdges::ShellEdges(const FiniteElementModel& model) {
   auto facets = facets_of(model);
-  find_following(model, facets);
+  const HeldNodes held(model);
+  find_following(held, facets);
   const bool has_triangles = std::ranges::any_of(facets, &Facet::is_triangle);
   const bool any_follows = std::ranges::any_of(facets, [](const Facet& facet) {
     return std::ranges::any_of(facet.following, [](bool follows) { return follows; });
@@ -291,7 +308,7 @@ ShellEdges::ShellEdges(const FiniteElementModel& model) {
     for (std::size_t i = 0; i < facet.count(); ++i)
       if (facet.following[i]) facet.straight[i] = facet.straight[(i + facet.count() - 1) % facet.count()] = true;
   std::optional<Edges> edges;
-  if (has_triangles) edges.emplace(model.mesh, facets, surfaces, flat);
+  if (has_triangles) edges.emplace(model.mesh, held, facets, surfaces, flat);
   for (std::size_t f = 0; f < facets.size(); ++f) {
     CellEdges own{.drilling = {.following = facets[f].following}, .shares = {}};
     if (facets[f].is_triangle()) std::copy_n(facets[f].straight.begin(), 3, own.drilling.straight.begin());

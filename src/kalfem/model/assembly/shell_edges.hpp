@@ -15,8 +15,7 @@ struct EdgeShare {
   double share = 0.0;
 };
 
-/// The drilling rotations of shells in flat surfaces: at their edges, and where they are held. The shells of curved
-/// surfaces are as they are by themselves.
+/// The drilling rotations of shells at the edges of their surface, and where supports hold them.
 ///
 /// **Edges.** A side of a triangle bulges with the drilling rotations of its ends. The normal force s per length along
 /// it then has the moments -b s and b s about these, b = bulge(), which cancel between the two triangles of a side. At
@@ -30,11 +29,19 @@ struct EdgeShare {
 /// before. A side stays straight where it meets a quadrilateral of the same surface, whose sides do not bulge; where an
 /// end follows, see below; and at an edge where no g of moderate size exists.
 ///
+/// At the edges of curved surfaces m_i is projected onto the plane of the side's triangle, where g solves the equation
+/// by least squares. A cylinder pulled along its generators has its constant stress, a cone converges to it. Where no
+/// force stands the rule only renames u_i, so inextensional modes are as without it; straight sides beside
+/// quadrilaterals make coarse, distorted mixed meshes stiffer, which dies out with h^2. A side has no part in u_i where
+/// supports hold the drilling rotations of both ends, if only nearly: along planes of symmetry of a doubly curved
+/// surface, the normals of the triangles lean, and bending would pass for drilling.
+///
 /// **Held rotations.** A support, or a constraint of one node alone, that holds the rotation of a node about the normal
 /// of a shell holds the surface itself against turning, which is meant along clamped edges and planes of symmetry.
-/// Where all corners of an element are held so, and one of them can move in the plane, the rotations are held
-/// everywhere because in most programs nothing stiffens them: these corners follow the turn of each of their elements.
-/// Triangles whose corners all follow are those of constant strain, and such quadrilaterals have no drilling stiffness.
+/// Where all corners of an element of a flat surface are held so, and one of them can move in the plane, the rotations
+/// are held everywhere because in most programs nothing stiffens them: these corners follow the turn of each of their
+/// elements. Triangles whose corners all follow are those of constant strain, and such quadrilaterals have no drilling
+/// stiffness.
 class ShellEdges {
 public:
   /// Of the shells of a model with its supports.

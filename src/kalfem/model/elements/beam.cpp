@@ -145,32 +145,68 @@ constexpr std::array<double, 4> places = {-0.8611363115940526, -0.33998104358485
 constexpr std::array<double, 4> weights = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
                                            0.3478548451374538};
 
+Row twist_at(double s) {
+  Row twist = Row::Zero();
+  twist[3] = 1.0 - s, twist[9] = s;
+  return twist;
+}
+
+/// Motion of a line of mass at the share s of the length, from those of the ends with the axial ones of the centroid.
+Eigen::Matrix<double, 3, 12> motions_of_mass(const LineMass& line, const BeamSection& section, const Bending& bending,
+                                             double s) {
+  Eigen::Matrix<double, 3, 12> motions;
+  motions << Row::Zero(), bending.deflections(s);
+  motions(0, 0) = 1.0 - s, motions(0, 6) = s;
+  motions.row(0) -= (line.place - section.centroid).transpose() * bending.slopes(s);
+  motions.row(1) -= line.place.y() * twist_at(s);
+  motions.row(2) += line.place.x() * twist_at(s);
+  return motions;
+}
+
 Matrix12 consistent_mass(const LineMass& line, const BeamSection& section, const Bending& bending, double l) {
-  const Eigen::Vector2d from_centroid = line.place - section.centroid;
   Matrix12 mass = Matrix12::Zero();
   for (std::size_t i = 0; i < places.size(); ++i) {
     const double s = 0.5 * (1.0 + places[i]), weight = 0.5 * l * weights[i];
+    const auto motions = motions_of_mass(line, section, bending, s);
     const Pair slopes = bending.slopes(s);
-    Row along = Row::Zero(), twist = Row::Zero();
-    along[0] = twist[3] = 1.0 - s, along[6] = twist[9] = s;
-    along -= from_centroid.transpose() * slopes;
-    Pair across = bending.deflections(s);
-    across.row(0) -= line.place.y() * twist;
-    across.row(1) += line.place.x() * twist;
-    mass += weight * line.amount * (along.transpose() * along + across.transpose() * across);
+    const Row twist = twist_at(s);
+    mass += weight * line.amount * (motions.transpose() * motions);
     mass += weight * (line.polar * twist.transpose() * twist + slopes.transpose() * line.rotary * slopes);
   }
   const Matrix12 transform = axial_at_centroid(section.centroid);
   return transform.transpose() * mass * transform;
 }
 
+/// int N^T m a ds of a line of mass m per length, with the field a at its own places.
+Vector12 consistent_field_forces(const LineMass& line, const BeamSection& section, const Bending& bending, double l,
+                                 const LineField& field) {
+  Vector12 forces = Vector12::Zero();
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const double s = 0.5 * (1.0 + places[i]), weight = 0.5 * l * weights[i];
+    forces += weight * line.amount * motions_of_mass(line, section, bending, s).transpose() * field.at(s, line.place);
+  }
+  return axial_at_centroid(section.centroid).transpose() * forces;
+}
+
+/// Motion of a mass at the end that starts at the column `end`.
+Eigen::Matrix<double, 3, 12> motions_at_end(const Eigen::Vector2d& place, int end) {
+  Eigen::Matrix<double, 3, 12> motion = Eigen::Matrix<double, 3, 12>::Zero();
+  motion.middleCols<3>(end).setIdentity();
+  motion.middleCols<3>(end + 3) << 0.0, place.y(), -place.x(), -place.y(), 0.0, 0.0, place.x(), 0.0, 0.0;
+  return motion;
+}
+
+Vector12 lumped_field_forces(const LineMass& line, double length, const LineField& field) {
+  Vector12 forces = Vector12::Zero();
+  for (const int end : {0, 6})
+    forces += 0.5 * length * line.amount * motions_at_end(line.place, end).transpose() * field.at(end / 6, line.place);
+  return forces;
+}
+
 Matrix12 lumped_mass(const LineMass& line, double length, LumpedInertia inertia) {
   Matrix12 mass = Matrix12::Zero();
   for (const int end : {0, 6}) {
-    Eigen::Matrix<double, 3, 12> motion = Eigen::Matrix<double, 3, 12>::Zero();
-    motion.middleCols<3>(end).setIdentity();
-    motion.middleCols<3>(end + 3) << 0.0, line.place.y(), -line.place.x(), -line.place.y(), 0.0, 0.0, line.place.x(),
-        0.0, 0.0;
+    const auto motion = motions_at_end(line.place, end);
     mass += 0.5 * length * line.amount * motion.transpose() * motion;
     if (inertia != LumpedInertia::none) mass(end + 3, end + 3) += 0.5 * length * line.polar;
     if (inertia != LumpedInertia::all) continue;
@@ -303,6 +339,26 @@ bool has_nonstructural_mass(const BeamProperty& property) {
          });
 }
 
+/// The field along the line, in its axes.
+LineField line_field(const BeamField& field, const PlacedBeam& placed, const BeamPlacement& placement) {
+  return {placed.axes * (field.at_nodes + field.gradient * placement.offsets),
+          placed.axes * field.gradient * placed.axes.transpose()};
+}
+
+/// Forces of a field at the line's ends, local axes.
+Vector12 field_forces(const PlacedBeam& placed, const BeamProperty& property, const Bending& bending, double density,
+                      MassKind mass_kind, const LineField& field) {
+  if (placed.tapered)
+    return density * placed.tapered->section_forces(mass_kind, field) +
+           placed.tapered->nonstructural_forces(mass_kind, field);
+  const auto of = [&](const LineMass& mass) {
+    return mass_kind == MassKind::consistent
+               ? consistent_field_forces(mass, property.section, bending, placed.length, field)
+               : lumped_field_forces(mass, placed.length, field);
+  };
+  return density * of(section_mass(property.section)) + of(nonstructural_mass(property));
+}
+
 /// End forces of the line about the centroids of the end sections.
 Vector12 about_centroids(const Vector12& forces, const BeamProperty& property) {
   Vector12 moved;
@@ -361,27 +417,27 @@ ElementMatrices beam(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty
   return matrices;
 }
 
+Vector12 beam_field_forces(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty& property,
+                           const BeamPlacement& placement, const IsotropicMaterial& material, MassKind mass_kind,
+                           const BeamField& field) {
+  const PlacedBeam placed(ends, property, placement, material.poissons_ratio);
+  const Bending bending(property.section, placed.length, material.poissons_ratio);
+  return (placed.not_released * placed.to_line).transpose() *
+         field_forces(placed, property, bending, material.density, mass_kind, line_field(field, placed, placement));
+}
+
 // With q the motions of the line's ends and f_0 the loads between them, the ends carry K q - f_0. The line's forces act
 // at the shear centre; those of the section are counted with the axial force at the centroid, by the inverse transform.
 std::array<SectionForces, 2> beam_forces(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty& property,
                                          const BeamPlacement& placement, const IsotropicMaterial& material,
-                                         MassKind mass_kind, const Eigen::VectorXd& motions,
-                                         const Eigen::Matrix<double, 3, 2>& accelerations,
+                                         MassKind mass_kind, const Eigen::VectorXd& motions, const BeamField& field,
                                          const Vector12& loads_at_nodes) {
   const BeamSection& section = property.section;
   const PlacedBeam placed(ends, property, placement, material.poissons_ratio);
   const Bending bending(section, placed.length, material.poissons_ratio);
   const Vector12 line_motions = placed.not_released * (placed.to_line * motions);
-  Vector12 line_acceleration = Vector12::Zero();
-  for (const int end : {0, 1}) line_acceleration.segment<3>(6 * end) = placed.axes * accelerations.col(end);
-  const auto mass_of = [&](const LineMass& mass) {
-    return line_mass(mass, property, bending, placed.length, mass_kind);
-  };
-  Matrix12 mass = placed.tapered ? Matrix12(material.density * placed.tapered->section_mass(mass_kind) +
-                                            placed.tapered->nonstructural_mass(mass_kind))
-                                 : Matrix12(material.density * mass_of(section_mass(section)));
-  if (!placed.tapered && property.nonstructural_mass != 0.0) mass += mass_of(nonstructural_mass(property));
-  Vector12 loads = placed.not_released.transpose() * (mass * line_acceleration);
+  Vector12 loads = placed.not_released.transpose() * field_forces(placed, property, bending, material.density,
+                                                                  mass_kind, line_field(field, placed, placement));
   if (!loads_at_nodes.isZero(0.0)) loads += placed.to_line.transpose().partialPivLu().solve(loads_at_nodes);
   const Vector12 elastic =
       material.youngs_modulus *

@@ -13,15 +13,28 @@ namespace kalfem {
 /// of the part towards the second end on that towards the first: N > 0 is tension.
 using SectionForces = Eigen::Matrix<double, 6, 1>;  ///< [N V_y V_z T M_y M_z]
 
-/// Section forces at the two ends of a beam under the motions [x y z rx ry rz] of its nodes. `accelerations`: at its
-/// nodes, of gravity or another field that acts on its mass [m/s^2]. `loads`: on its line, as forces at its nodes, see
+/// Gravity or another field of acceleration that acts on the mass of a beam, linear in space; global axes.
+struct BeamField {
+  Eigen::Matrix<double, 3, 2> at_nodes = Eigen::Matrix<double, 3, 2>::Zero();  ///< [m/s^2]
+  Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();                          ///< [1/s^2]
+};
+
+/// Forces and moments of a field at the two nodes of a beam, global axes: int N^T m a(x) ds with the shapes of the mass
+/// in beam(), the field at the places of the centroids and of the nonstructural mass; of a lumped mass at those of its
+/// ends. How the field differs across a section, against its rotary inertia, is left out.
+/// Throws ElementShapeError as beam() does.
+Eigen::Matrix<double, 12, 1> beam_field_forces(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty& property,
+                                               const BeamPlacement& placement, const IsotropicMaterial& material,
+                                               MassKind mass_kind, const BeamField& field);
+
+/// Section forces at the two ends of a beam under the motions [x y z rx ry rz] of its nodes. `field`: acts on its mass.
+/// `loads`: on its line, as forces at its nodes, see
 /// beam_loads.hpp. The ends carry K q less the nodal forces that both give the element, so that moments are those of
 /// the distributed load.
 /// Throws ElementShapeError as beam() does.
 std::array<SectionForces, 2> beam_forces(
     const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty& property, const BeamPlacement& placement,
-    const IsotropicMaterial& material, MassKind mass_kind, const Eigen::VectorXd& motions,
-    const Eigen::Matrix<double, 3, 2>& accelerations = Eigen::Matrix<double, 3, 2>::Zero(),
+    const IsotropicMaterial& material, MassKind mass_kind, const Eigen::VectorXd& motions, const BeamField& field = {},
     const Eigen::Matrix<double, 12, 1>& loads = Eigen::Matrix<double, 12, 1>::Zero());
 
 /// Stiffness that an axial force N (tension > 0) gives a beam across its line, int N (v'^2 + w'^2) dx / 2 of the

@@ -65,6 +65,14 @@ bool more_than_doubles(const BeamSection& a, const BeamSection& b) {
   return false;
 }
 
+/// [theta_z, -theta_y], as slopes of [v, w].
+template <typename Rows>
+Eigen::Matrix<double, 2, 12> turns_of(const Rows& motions) {
+  Eigen::Matrix<double, 2, 12> turns;
+  turns << motions.row(5), -motions.row(4);
+  return turns;
+}
+
 }  // namespace
 
 BeamStation station_at(const std::vector<BeamStation>& stations, double place) {
@@ -173,20 +181,61 @@ TaperedLine::Matrix12 TaperedLine::mass(MassAt mass_at, MassKind kind) const {
   return kind == MassKind::consistent ? consistent(mass_at) : lumped(mass_at);
 }
 
+TaperedLine::Motions TaperedLine::motions_of_mass(const Point& point, const Eigen::Vector2d& place) {
+  Motions moved = point.motions.topRows<3>();
+  moved.row(0) -= place.transpose() * turns_of(point.motions);
+  moved.row(1) -= place.y() * point.motions.row(3);
+  moved.row(2) += place.x() * point.motions.row(3);
+  return moved;
+}
+
+TaperedLine::Motions TaperedLine::motions_at_end(const Eigen::Vector2d& place, int end) {
+  Motions moved = Motions::Zero();
+  moved.middleCols<3>(6 * end).setIdentity();
+  moved.middleCols<3>(6 * end + 3) << 0.0, place.y(), -place.x(), -place.y(), 0.0, 0.0, place.x(), 0.0, 0.0;
+  return moved;
+}
+
 TaperedLine::Matrix12 TaperedLine::consistent(MassAt mass_at) const {
   Matrix12 sum = Matrix12::Zero();
   for (const auto& point : points_) {
     const LineMass line = mass_at(point.station);
-    Eigen::Matrix<double, 3, 12> moved = point.motions.topRows<3>();
+    const Motions moved = motions_of_mass(point, line.place);
+    const Slopes turns = turns_of(point.motions);
     const auto twist = point.motions.row(3);
-    Slopes turns;  // [theta_z, -theta_y], as slopes of [v, w]
-    turns << point.motions.row(5), -point.motions.row(4);
-    moved.row(0) -= line.place.transpose() * turns;
-    moved.row(1) -= line.place.y() * twist;
-    moved.row(2) += line.place.x() * twist;
     sum += point.weight * (line.amount * moved.transpose() * moved + line.polar * twist.transpose() * twist +
                            turns.transpose() * line.rotary * turns);
   }
+  return sum;
+}
+
+TaperedLine::LineMass TaperedLine::mass_of_end(MassAt mass_at, int end) const {
+  LineMass own{0.0, 0.0, Eigen::Vector2d::Zero(), Eigen::Matrix2d::Zero()};
+  for (const auto& point : points_) {
+    const double share = point.weight * (end == 0 ? 1.0 - point.station.place : point.station.place);
+    const LineMass line = mass_at(point.station);
+    own.amount += share * line.amount;
+    own.polar += share * line.polar;
+    own.place += share * line.amount * line.place;
+    own.rotary += share * line.rotary;
+  }
+  if (own.amount > 0.0) own.place /= own.amount;
+  return own;
+}
+
+TaperedLine::Vector12 TaperedLine::forces(MassAt mass_at, MassKind kind, const LineField& field) const {
+  Vector12 sum = Vector12::Zero();
+  if (kind == MassKind::consistent)
+    for (const auto& point : points_) {
+      const LineMass line = mass_at(point.station);
+      sum += point.weight * line.amount * motions_of_mass(point, line.place).transpose() *
+             field.at(point.station.place, line.place);
+    }
+  else
+    for (const int end : {0, 1}) {
+      const LineMass own = mass_of_end(mass_at, end);
+      sum += own.amount * motions_at_end(own.place, end).transpose() * field.at(end, own.place);
+    }
   return sum;
 }
 
@@ -195,21 +244,9 @@ TaperedLine::Matrix12 TaperedLine::consistent(MassAt mass_at) const {
 TaperedLine::Matrix12 TaperedLine::lumped(MassAt mass_at) const {
   Matrix12 sum = Matrix12::Zero();
   for (const int end : {0, 1}) {
-    LineMass own{0.0, 0.0, Eigen::Vector2d::Zero(), Eigen::Matrix2d::Zero()};
-    for (const auto& point : points_) {
-      const double share = point.weight * (end == 0 ? 1.0 - point.station.place : point.station.place);
-      const LineMass line = mass_at(point.station);
-      own.amount += share * line.amount;
-      own.polar += share * line.polar;
-      own.place += share * line.amount * line.place;
-      own.rotary += share * line.rotary;
-    }
-    if (own.amount > 0.0) own.place /= own.amount;
+    const LineMass own = mass_of_end(mass_at, end);
+    const Motions moved = motions_at_end(own.place, end);
     const int first = 6 * end;
-    Eigen::Matrix<double, 3, 12> moved = Eigen::Matrix<double, 3, 12>::Zero();
-    moved.middleCols<3>(first).setIdentity();
-    moved.middleCols<3>(first + 3) << 0.0, own.place.y(), -own.place.x(), -own.place.y(), 0.0, 0.0, own.place.x(), 0.0,
-        0.0;
     sum += own.amount * moved.transpose() * moved;
     if (lumped_inertia_ != LumpedInertia::none) sum(first + 3, first + 3) += own.polar;
     if (lumped_inertia_ != LumpedInertia::all) continue;
@@ -223,26 +260,26 @@ TaperedLine::Matrix12 TaperedLine::lumped(MassAt mass_at) const {
 }
 
 // Rotary inertia of the planes that are soft in shear, as in beam().
-TaperedLine::Matrix12 TaperedLine::section_mass(MassKind kind) const {
-  return mass(
-      [](const BeamStation& station) {
-        const BeamSection& section = station.section;
-        const bool y = section.shear_factor_y != 0.0, z = section.shear_factor_z != 0.0;
-        const double product = y && z ? section.product_yz : 0.0;
-        return LineMass{
-            section.area, section.inertia_y + section.inertia_z, section.centroid,
-            Eigen::Matrix2d{{y ? section.inertia_z : 0.0, product}, {product, z ? section.inertia_y : 0.0}}};
-      },
-      kind);
+TaperedLine::LineMass TaperedLine::mass_of_section(const BeamStation& station) {
+  const BeamSection& section = station.section;
+  const bool y = section.shear_factor_y != 0.0, z = section.shear_factor_z != 0.0;
+  const double product = y && z ? section.product_yz : 0.0;
+  return {section.area, section.inertia_y + section.inertia_z, section.centroid,
+          Eigen::Matrix2d{{y ? section.inertia_z : 0.0, product}, {product, z ? section.inertia_y : 0.0}}};
 }
 
-TaperedLine::Matrix12 TaperedLine::nonstructural_mass(MassKind kind) const {
-  return mass(
-      [](const BeamStation& station) {
-        return LineMass{station.nonstructural_mass, station.nonstructural_inertia, station.nonstructural_centre,
-                        Eigen::Matrix2d::Zero()};
-      },
-      kind);
+TaperedLine::LineMass TaperedLine::mass_beside_section(const BeamStation& station) {
+  return {station.nonstructural_mass, station.nonstructural_inertia, station.nonstructural_centre,
+          Eigen::Matrix2d::Zero()};
+}
+
+TaperedLine::Matrix12 TaperedLine::section_mass(MassKind kind) const { return mass(mass_of_section, kind); }
+TaperedLine::Matrix12 TaperedLine::nonstructural_mass(MassKind kind) const { return mass(mass_beside_section, kind); }
+TaperedLine::Vector12 TaperedLine::section_forces(MassKind kind, const LineField& field) const {
+  return forces(mass_of_section, kind, field);
+}
+TaperedLine::Vector12 TaperedLine::nonstructural_forces(MassKind kind, const LineField& field) const {
+  return forces(mass_beside_section, kind, field);
 }
 
 }  // namespace kalfem

@@ -8,8 +8,15 @@ namespace kalfem {
 /// a(x) = W^2 (1 - n n^T) (x - c).
 AccelerationField centrifugal_field(const Rotation& rotation);
 
-/// Its forces on all nodes, 6 to a node: M a with the mass matrix before links and supports and the field at the nodes,
-/// without rotations; the elements' shape functions carry it between the nodes.
+/// Forces of a field on all nodes, 6 to a node, before links and supports: int N^T rho a(x) dV, each mass in the field
+/// at its own place, so that resultant and moment are those of the masses.
+/// * Solids and shells: M a of the field at the nodes, at the mid-surface of shells that stand off them.
+/// * Beams: see beam_field_forces().
+/// * Point masses: m a at their centre, and int rho r x (G r) dV of their inertia with the gradient G.
+/// * Matrices of another code: M a of the field at the nodes, without rotations.
+Eigen::VectorXd field_forces(const FiniteElementModel& model, const AccelerationField& field);
+
+/// Those of centrifugal_field().
 Eigen::VectorXd centrifugal_forces(const FiniteElementModel& model, const Rotation& rotation);
 
 /// How the centrifugal forces grow with the displacement, as a stiffness of all nodes (spin softening):

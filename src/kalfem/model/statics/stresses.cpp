@@ -103,9 +103,10 @@ public:
   void operator()(const BeamProperty& property) {
     const auto& material = model_.materials.at(property.material);
     for_each_cell([&](Index index, const Cell& cell, std::size_t place) {
-      BeamStress stress{.cell = index,
-                        .ends = beam_forces(places(cell), property, property.placement(place), material,
-                                            model_.mass_kind, motions(cell, 6), at_nodes(cell), loads_of(index))};
+      BeamStress stress{
+          .cell = index,
+          .ends = beam_forces(places(cell), property, property.placement(place), material, model_.mass_kind,
+                              motions(cell, 6), {at_nodes(cell), field_.gradient}, loads_of(index))};
       for (std::size_t end = 0; end < 2; ++end) {
         const BeamSection section = section_at(property, static_cast<double>(end));
         stress.axial[end] = stress.ends[end][0] / section.area;
