@@ -199,6 +199,23 @@ TEST(AbaqusCoupling, ManyWaysToWriteOneRigidBody) {
     EXPECT_LT((of_block(inertia + other) - rigid).norm(), of_equations * rigid.norm()) << other;
 }
 
+/// CalculiX lets loads act on such a node, and nothing hold it.
+TEST(AbaqusCoupling, AHeldMeanIsDoubtfulInCalculix) {
+  const std::string held =
+      "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n9, .3, .3, .3\n*ELEMENT, TYPE=C3D4, "
+      "ELSET=E\n1, 1, 2, 3, 4\n" +
+      deck_steel +
+      "*SOLID SECTION, ELSET=E, MATERIAL=steel\n*SURFACE, NAME=S, TYPE=NODE\n2\n3\n4\n"
+      "*COUPLING, CONSTRAINT NAME=C, REF NODE=9, SURFACE=S\n*DISTRIBUTING\n*BOUNDARY\n9, 1, 1\n";
+  const auto is_told = [](const Deck& deck) {
+    return std::ranges::any_of(deck.notes, [](const auto& note) {
+      return note.what == "*BOUNDARY on the reference node of *DISTRIBUTING" && note.kind == DeckNoteKind::doubtful;
+    });
+  };
+  EXPECT_TRUE(is_told(parse_deck(held)));
+  EXPECT_FALSE(is_told(parse_deck("*PREPRINT\n" + held)));
+}
+
 // The block carries the mass without being stiffened: lower than with a rigid top, above the block with the mass at
 // half its own height would be. A deck of Abaqus, where this coupling carries moments. The surface by faces weighs its
 // nodes by area: nearly the same.

@@ -52,8 +52,7 @@ TEST(AbaqusSections, BoxAndAngleByRectangles) {
   const auto same = rectangular_tube_section(0.2, 0.1, 0.01);
   EXPECT_NEAR(box.area, same.area, 1e-17);
   EXPECT_NEAR(box.inertia_y, same.inertia_y, 1e-20);
-  const double open_part = 2.0 * (0.19 + 0.09) * std::pow(0.01, 3) / 3.0;  // beside Bredt's
-  EXPECT_NEAR(box.torsion, same.torsion + open_part, 3e-20);
+  EXPECT_NEAR(box.torsion, same.torsion, 3e-20);
   const auto angle =
       beam_of("*BEAM SECTION, ELSET=e, MATERIAL=steel, SECTION=L\n0.1, 0.1, 0.01, 0.01\n0,1,0\n").section;
   EXPECT_NEAR(angle.area, 0.0019, 3e-18);

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -24,6 +27,27 @@ inline std::vector<double> frequencies_in(const std::filesystem::path& file) {
       frequencies.push_back(frequency);
   }
   return frequencies;
+}
+
+/// Tables of displacements in a .dat file, one a step; each ends at the next title.
+inline std::vector<std::map<std::int64_t, Eigen::Vector3d>> displacements_in(const std::filesystem::path& file) {
+  std::vector<std::map<std::int64_t, Eigen::Vector3d>> tables;
+  std::ifstream stream(file);
+  bool is_table = false;
+  for (std::string line; std::getline(stream, line);) {
+    std::istringstream numbers(line);
+    std::int64_t node = 0;
+    Eigen::Vector3d moved;
+    if (line.find("displacements") != std::string::npos) {
+      tables.emplace_back();
+      is_table = true;
+    } else if (is_table && numbers >> node >> moved[0] >> moved[1] >> moved[2]) {
+      tables.back()[node] = moved;
+    } else if (line.find_first_not_of(" \r") != std::string::npos) {
+      is_table = false;
+    }
+  }
+  return tables;
 }
 
 /// Whether CalculiX can be called.

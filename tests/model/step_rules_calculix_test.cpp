@@ -1,8 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <map>
-#include <sstream>
 
 #include "base/absent.hpp"
 #include "base/scratch_folder.hpp"
@@ -110,20 +108,6 @@ std::vector<Rule> rules() {
   };
 }
 
-/// Tables of displacements in a .dat file, one a step.
-std::vector<std::map<std::int64_t, Vector3d>> displacements_in(const std::filesystem::path& file) {
-  std::vector<std::map<std::int64_t, Vector3d>> tables;
-  std::ifstream stream(file);
-  for (std::string line; std::getline(stream, line);) {
-    if (line.find("displacements") != std::string::npos) tables.emplace_back();
-    std::istringstream numbers(line);
-    std::int64_t node = 0;
-    Vector3d moved;
-    if (!tables.empty() && numbers >> node >> moved[0] >> moved[1] >> moved[2]) tables.back()[node] = moved;
-  }
-  return tables;
-}
-
 class StepRulesCalculix : public testing::TestWithParam<Rule> {};
 
 TEST_P(StepRulesCalculix, GiveTheSameDisplacements) {
@@ -210,6 +194,46 @@ TEST_F(CouplingsCalculix, OrientationOfKinematicTurnsTheTiedDirections) {
   expect_block_moves_alike(
       coupled("*COUPLING, REF NODE=20, SURFACE=TOP, CONSTRAINT NAME=C, ORIENTATION=O\n*KINEMATIC\n2, 3\n",
               "*BOUNDARY\n20, 1, 1, 0.1\n20, 2, 2\n20, 3, 3, 0.05\n20, 4, 6\n"));
+}
+
+/// Cylindrical axes about a line beside the block.
+std::string in_cylindrical_axes(std::string text) {
+  const std::string rectangular = "*ORIENTATION, NAME=O\n0., 1., 0., -1., 0., 0.\n";
+  return text.replace(text.find(rectangular), rectangular.size(),
+                      "*ORIENTATION, NAME=O, SYSTEM=CYLINDRICAL\n.1, .2, 0., .1, .2, 1.\n");
+}
+
+/// The reference node as the first node of the deck: equal coefficients of an equation are solved for the first one.
+std::string with_reference_first(std::string text) {
+  const std::string node = "20, .7, .4, 2.\n", begin = "*NODE, NSET=ALL\n";
+  text.erase(text.find(node), node.size());
+  return text.replace(text.find(begin), begin.size(), begin + node);
+}
+
+/// Couplings of some directions whose reference node, or one of the coupled ones, is held or moved.
+TEST_F(CouplingsCalculix, HeldAndMovedInCylindricalAxes) {
+  const auto kinematic = [](const std::string& lines) {
+    return "*COUPLING, REF NODE=20, SURFACE=TOP, CONSTRAINT NAME=C, ORIENTATION=O\n*KINEMATIC\n" + lines;
+  };
+  const std::string held = "*BOUNDARY\n20, 1, 6\n", push = "*CLOAD\n7, 1, 3.\n";
+  const std::string moved = "*BOUNDARY\n20, 1, 1, 0.1\n20, 2, 2\n20, 3, 3, 0.05\n20, 4, 6\n";
+  const std::string texts[] = {
+      coupled(held + kinematic("2, 3\n"), push),
+      coupled(held + kinematic("1, 1\n"), push),
+      coupled("*BOUNDARY\n20, 2, 6\n" + kinematic("1, 2\n"), "*CLOAD\n20, 1, 4.\n7, 2, 3.\n"),
+      coupled("*BOUNDARY\n5, 3, 3\n20, 4, 6\n" + kinematic("1, 2\n"), "*CLOAD\n20, 1, 4.\n7, 2, 3.\n"),
+      coupled(kinematic("1, 3\n"), moved),
+      coupled(kinematic("2, 3\n"), moved),
+      coupled(kinematic("1, 2\n"), moved),  // nothing follows along z
+      coupled("*BOUNDARY\n20, 2, 6\n" + kinematic("1, 1\n"), "*BOUNDARY\n20, 1, 1, 0.02\n" + push),
+      coupled("*COUPLING, REF NODE=20, SURFACE=TOP, CONSTRAINT NAME=C, ORIENTATION=O\n*DISTRIBUTING\n1, 3\n", tip),
+  };
+  for (const auto& text : texts)
+    for (const bool first : {false, true}) {
+      const std::string turned = in_cylindrical_axes(text);
+      SCOPED_TRACE(first ? with_reference_first(turned) : turned);
+      expect_block_moves_alike(first ? with_reference_first(turned) : turned);
+    }
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "kalfem/model/assembly/held_motions.hpp"
+
 namespace kalfem {
 namespace {
 
@@ -28,13 +30,6 @@ std::vector<unsigned char> held_directions(const FiniteElementModel& model) {
       for (std::size_t i = 0; i < 6; ++i)
         if (support.directions[i]) held[static_cast<std::size_t>(node)] |= static_cast<unsigned char>(1u << i);
   return held;
-}
-
-/// Whether a held translation has a part in the plane of the surface.
-bool is_held_in_plane(unsigned char held, const Eigen::Vector3d& normal) {
-  for (int k = 0; k < 3; ++k)
-    if (((held >> k) & 1u) != 0 && !(std::abs(normal[k]) > 1.0 - 1e-9)) return true;
-  return false;
 }
 
 }  // namespace
@@ -91,7 +86,8 @@ std::vector<bool> turned_by_others(const FiniteElementModel& model) {
       for (const auto cell : model.mesh.regions.at(region))
         for (const auto node : model.mesh.nodes_of(model.mesh.cells[static_cast<std::size_t>(cell)])) mark(node);
   for (const auto& joint : model.joints) mark_terms(joint.deformation);
-  for (const auto& constraint : model.constraints) mark_terms(constraint.terms);
+  for (const auto& constraint : model.constraints)
+    if (!holds_one_node(constraint)) mark_terms(constraint.terms);
   for (const auto& item : model.matrices)
     for (const auto& dof : item.dofs)
       if (dof.direction >= 3 && item.stiffness.size() > 0) mark(dof.node);
@@ -108,12 +104,19 @@ std::vector<bool> turned_by_others(const FiniteElementModel& model) {
   return turned;
 }
 
+bool is_held_in_plane(const HeldMotions& held, Eigen::Index node, const NodalSurface& surface) {
+  const Eigen::Vector3d normal = surface.normal.normalized();
+  const Eigen::Matrix3d translations = held.translations(node);
+  return (translations - normal * (normal.transpose() * translations)).norm() > 1e-6;
+}
+
 std::vector<NodalDof> held_drilling(const FiniteElementModel& model, const std::vector<NodalSurface>& surfaces) {
   constexpr double negligible = 1e-6;
   const auto held = held_directions(model);
+  const HeldMotions motions(model);
   std::vector<NodalDof> dofs;
   for (std::size_t i = 0; i < held.size(); ++i) {
-    if (!surfaces[i].is_surface() || is_held_in_plane(held[i], surfaces[i].normal.normalized())) continue;
+    if (!surfaces[i].is_surface() || is_held_in_plane(motions, static_cast<Eigen::Index>(i), surfaces[i])) continue;
     for (int k = 0; k < 3; ++k)
       if (((held[i] >> (3 + k)) & 1u) != 0 && std::abs(surfaces[i].normal[k]) > negligible * surfaces[i].normal.norm())
         dofs.push_back({static_cast<Eigen::Index>(i), 3 + k});

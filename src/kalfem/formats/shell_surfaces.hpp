@@ -3,7 +3,7 @@
 #include <functional>
 #include <vector>
 
-#include "kalfem/model/finite_element_model.hpp"
+#include "kalfem/model/assembly/held_motions.hpp"
 
 namespace kalfem {
 
@@ -23,8 +23,12 @@ void for_each_shell(const FiniteElementModel& model, const ShellVisitor& visit);
 /// Of every node.
 std::vector<NodalSurface> nodal_surfaces(const FiniteElementModel& model);
 
-/// Nodes whose rotations something else than shells acts on: beams, springs, links, constraints, matrices.
+/// Nodes whose rotations something else than shells acts on: beams, springs, links, constraints with other nodes,
+/// matrices.
 std::vector<bool> turned_by_others(const FiniteElementModel& model);
+
+/// Whether a held translation of a node has a part in the plane of its surface.
+bool is_held_in_plane(const HeldMotions& held, Eigen::Index node, const NodalSurface& surface);
 
 /// Rotations that supports hold and that have a part about the normal of a smooth surface, at nodes that nothing holds
 /// in the plane of the surface; by node and then direction.

@@ -77,7 +77,8 @@ MultiPointConstraint following(const Mesh& mesh, const NodalDof& dof, Index lead
 class Placer {
 public:
   Placer(FiniteElementModel& model, std::vector<LoadCase>& load_cases, const Placement& placement)
-      : model_(model), load_cases_(load_cases), placement_(placement), turn_(placement.rotation) {
+      : model_(model), placement_(placement), turn_(placement.rotation) {
+    for (auto& load_case : load_cases) add(load_case);
     if (const auto set = model.mesh.node_sets.find(scalar_points); set != model.mesh.node_sets.end())
       scalars_.insert(set->second.begin(), set->second.end());
   }
@@ -95,10 +96,16 @@ public:
         if (hold_whole_nodes(matrices)) turn(matrices);
     }
     for (auto place : model_.mesh.nodes.colwise()) place = placement_.at(place);
-    for (auto& load_case : load_cases_) turn(load_case);
+    for (auto* load_case : load_cases_) turn(*load_case);
   }
 
 private:
+  /// A load case and, one within the other, the preloads that it is solved with.
+  void add(LoadCase& load_case) {
+    load_cases_.push_back(&load_case);
+    for (auto& carried : load_case.preload) add(carried);
+  }
+
   /// Calls `visit` with every node that is named by a single direction.
   void visit_single_directions(const auto& visit) {
     for (auto& support : model_.fixed)
@@ -112,9 +119,9 @@ private:
     for (auto& matrices : model_.matrices)
       if (!hold_whole_nodes(matrices))
         for (auto& dof : matrices.dofs) visit(dof.node);
-    for (auto& load_case : load_cases_) {
-      for (auto& motion : load_case.imposed) visit(motion.dof.node);
-      for (auto* support : supports_of(load_case))
+    for (auto* load_case : load_cases_) {
+      for (auto& motion : load_case->imposed) visit(motion.dof.node);
+      for (auto* support : supports_of(*load_case))
         if (!is_whole(support->directions)) std::ranges::for_each(support->nodes, visit);
     }
   }
@@ -131,8 +138,8 @@ private:
     visit_single_directions(move);
     for (auto& support : model_.fixed)
       if (is_whole(support.directions)) std::ranges::for_each(support.nodes, move);
-    for (auto& load_case : load_cases_)
-      for (auto* support : supports_of(load_case))
+    for (auto* load_case : load_cases_)
+      for (auto* support : supports_of(*load_case))
         if (is_whole(support->directions)) std::ranges::for_each(support->nodes, move);
     const auto led = dofs_led_by_links();
     for (const auto& [node, own] : local)
@@ -237,7 +244,7 @@ private:
   }
 
   FiniteElementModel& model_;
-  std::vector<LoadCase>& load_cases_;
+  std::vector<LoadCase*> load_cases_;
   const Placement& placement_;
   const Matrix3d& turn_;
   std::set<Index> scalars_;  ///< scalar points, which have no directions

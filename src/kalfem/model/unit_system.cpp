@@ -140,6 +140,7 @@ void to_si(LoadCase& load_case, const UnitSystem& units) {
   load_case.gravity *= unit.length / (units.time * units.time);
   for (auto& motion : load_case.imposed)
     if (motion.dof.direction < 3) motion.value *= unit.length;
+  for (auto& carried : load_case.preload) to_si(carried, units);
 }
 
 Eigen::VectorXd unit_factors(const std::vector<int>& directions, const UnitSystem& units) {

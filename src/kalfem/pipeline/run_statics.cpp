@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "kalfem/base/stopwatch.hpp"
+#include "kalfem/study/finite_element_part.hpp"
 
 namespace kalfem {
 namespace {
@@ -46,6 +47,8 @@ StaticsOutcome run_statics(const StaticsPlan& plan, std::vector<std::string>& wa
   for (std::size_t i = 0; i < plan.analysis->cases().size(); ++i) {
     outcome.cases.push_back(run_case(plan, i));
     const auto& solution = outcome.cases.back().solution;
+    if (const auto ignored = plan.analysis->ignored_springs(i); !ignored.empty())
+      warnings.push_back(ignored_preload(plan.analysis->cases()[i].preload.front().name, ignored));
     if (!(solution.imbalance < largest_imbalance))
       warnings.push_back(fmt::format(
           "static load case '{}': the reactions differ from the loads by {:.1g} of the largest force; constraints or "

@@ -67,7 +67,7 @@ Json case_json(const StaticsPlan& plan, const StaticCaseOutcome& each) {
   for (const auto& reaction : each.solution.reactions) reactions[reaction.name] = resultant_json(reaction.sum);
   for (const auto& peak : each.peaks) stresses[peak.region] = peak_json(plan, peak);
   const Index farthest = farthest_node(each);
-  return {
+  Json result = {
       {"displacements", points},
       {"displacement_max", {{"node", node_id(plan, farthest)}, {"displacement", numbers(translation(each, farthest))}}},
       {"applied", resultant_json(each.solution.applied)},
@@ -76,6 +76,8 @@ Json case_json(const StaticsPlan& plan, const StaticCaseOutcome& each) {
       {"imbalance", number(each.solution.imbalance)},
       {"stress_max", each.peaks.empty() ? Json() : peak_json(plan, each.peaks.front())},
       {"stress_by_region", stresses}};
+  if (!each.solution.preload.empty()) result["preload"] = each.solution.preload;
+  return result;
 }
 
 /// "301.2 MPa".
@@ -128,6 +130,19 @@ Json statics_summary(const StaticsPlan& plan, const StaticsOutcome& outcome) {
   return cases;
 }
 
+namespace {
+
+/// " Solved with the stresses of another load case in the stiffness: step2 (step1)."; empty where there are none.
+std::string preloads_in_words(const StaticsOutcome& outcome) {
+  std::string names;
+  for (const auto& each : outcome.cases)
+    if (const auto& solution = each.solution; !solution.preload.empty())
+      names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", solution.load_case, solution.preload);
+  return names.empty() ? "" : " Solved with the stresses of another load case in the stiffness: " + names + ".";
+}
+
+}  // namespace
+
 std::string statics_answer(const StaticsOutcome& outcome) {
   const std::string count =
       fmt::format("{} static load case{}", outcome.cases.size(), outcome.cases.size() == 1 ? "" : "s");
@@ -135,10 +150,12 @@ std::string statics_answer(const StaticsOutcome& outcome) {
   for (const auto& each : outcome.cases)
     if (!each.peaks.empty() && (!worst || std::abs(each.peaks.front().value) > std::abs(worst->peaks.front().value)))
       worst = &each;
-  if (!worst) return count + " solved.";
+  const std::string stiffened = preloads_in_words(outcome);
+  if (!worst) return count + " solved." + stiffened;
   const auto& peak = worst->peaks.front();
   return fmt::format("{}; the largest stress is {} ({}) in '{}', load case {}.", count, pressure_text(peak.value),
-                     peak.of_beam ? "axial stress of beams" : "von Mises", peak.region, worst->solution.load_case);
+                     peak.of_beam ? "axial stress of beams" : "von Mises", peak.region, worst->solution.load_case) +
+         stiffened;
 }
 
 Table static_points_table(const StaticsOutcome& outcome) {

@@ -8,7 +8,7 @@
 #include "kalfem/formats/abaqus/kinematics.hpp"
 #include "kalfem/formats/abaqus/ledger_sweep.hpp"
 #include "kalfem/formats/abaqus/load_cases.hpp"
-#include "kalfem/formats/shell_surfaces.hpp"
+#include "kalfem/formats/held_turns.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
 #include "kalfem/model/mesh/split_quadratic_shells.hpp"
 
@@ -46,21 +46,33 @@ void replace_quadratic_cells(PlacedDeck& deck, FiniteElementModel& model) {
   if (any) replace_quadratic(model);
 }
 
-/// Abaqus and CalculiX give shells next to no stiffness against turns about their normal, so that decks may hold these
-/// turns everywhere. Here they follow the turn of the surface, and to hold them would hold the surface itself.
-void release_held_rotations(PlacedDeck& deck, FiniteElementModel& model) {
-  const auto surfaces = nodal_surfaces(model);
-  const auto turned = turned_by_others(model);
+/// Of the supports of load cases, and of the preloads that they are solved with, those along the normal alone.
+void release_in_load_case(FiniteElementModel& model, const std::vector<NodalSurface>& surfaces,
+                          const std::vector<bool>& turned, LoadCase& load_case) {
+  for (auto& carried : load_case.preload) release_in_load_case(model, surfaces, turned, carried);
+  if (!load_case.supports) return;
+  std::swap(model.fixed, *load_case.supports);
   auto held = held_drilling(model, surfaces);
   std::erase_if(held, [&](const NodalDof& dof) {
     return turned[static_cast<std::size_t>(dof.node)] || !is_along_normal(surfaces, dof);
   });
-  if (held.empty()) return;
   release(model, held);
-  deck.notes.add(
-      {}, "fixed rotations of shells about their normal",
-      "at " + std::to_string(held.size()) + " nodes these rotations are left free, as in Abaqus and CalculiX",
-      DeckNoteKind::changed);
+  std::swap(model.fixed, *load_case.supports);
+}
+
+/// Abaqus and CalculiX give shells next to no stiffness against turns about their normal, so that decks may hold these
+/// turns everywhere. Here they follow the turn of the surface, and to hold them would hold the surface itself.
+void release_held_rotations(PlacedDeck& deck, Deck& result) {
+  FiniteElementModel& model = result.model;
+  const auto surfaces = nodal_surfaces(model);
+  const auto turned = turned_by_others(model);
+  const std::size_t count = release_turns_about_normal(model, surfaces, turned);
+  for (auto& load_case : result.load_cases) release_in_load_case(model, surfaces, turned, load_case);
+  if (result.preload) release_in_load_case(model, surfaces, turned, *result.preload);
+  if (count == 0) return;
+  deck.notes.add({}, "fixed rotations of shells about their normal",
+                 "at " + std::to_string(count) + " nodes these rotations are left free, as in Abaqus and CalculiX",
+                 DeckNoteKind::changed);
 }
 
 /// The load case that is the deck's own preload; without wanted load cases it is the only one.
@@ -109,7 +121,7 @@ void build_model(const RawDeck& raw, bool with_ledger, DeckNotes& notes, Problem
   note_steps(raw, notes, problems);
   problems.raise();
   replace_quadratic_cells(deck, model);
-  release_held_rotations(deck, model);
+  release_held_rotations(deck, result);
   apply_nodal_thickness(deck, model);
   problems.raise();
   Ledger ledger;

@@ -336,14 +336,22 @@ void DeckReader::read_in_step(const Keyword& keyword) {
 // up to the time increment that its third field states.
 void DeckReader::read_procedure(const Keyword& keyword) {
   auto& step = deck_.steps.back();
-  if (!step.procedure.empty()) return;
-  step.procedure = keyword.name;
-  deck_.passed_over.push_back({keyword.title, keyword.where});
   const Block block = read_block(keyword);
-  if (step.is_static())
-    step.period = number_or(line_of(block, 0), 1, 1.0, "the time of the step", problems_);
-  else if (keyword.name != "FREQUENCY")
-    note(keyword, "steps of this kind are not run; kalfem finds natural modes and solves static steps");
+  if (!step.procedure.empty()) {
+    deck_.passed_over.push_back({keyword.title, keyword.where});
+    return note(keyword, "the step has a procedure already: this one is not run", DeckNoteKind::doubtful);
+  }
+  step.procedure = keyword.name;
+  if (step.is_static() || keyword.name == "FREQUENCY") {
+    step.procedure_data = block;
+    if (!step.is_static()) return;
+    const DataLine& line = line_of(step.procedure_data, 0);
+    step.period = number_or(line, 1, 1.0, "the time of the step", problems_);
+    line.forget(1);  // amplitudes alone use it
+    return;
+  }
+  deck_.passed_over.push_back({keyword.title, keyword.where});
+  note(keyword, "steps of this kind are not run; kalfem finds natural modes and solves static steps");
   if (keyword.name == "DYNAMIC" && keyword.has("EXPLICIT") && !line_of(block, 0).field(2).empty())
     notes_.add(problems_.location(keyword.where), "*DYNAMIC, EXPLICIT with a least time increment",
                "masses are those of the densities, not scaled up for the increment", DeckNoteKind::changed);

@@ -69,6 +69,7 @@ void Kinematics::add_weighted_link(WeightedLink link, const Where& where) {
                DeckNoteKind::changed);
     tied = false;
   }
+  means_.insert(link.follower);
   weighted_.push_back({std::move(link), std::move(mean)});
 }
 
@@ -133,7 +134,7 @@ void Kinematics::store() {
       add_equation(name, {{dof, 1.0}});
     else
       fixed_.insert(dof);
-  ReducedEquations rows;
+  ReducedEquations rows(moved_);
   write_weighted_links(rows);
   for (const auto& equation : equations_) {
     DofSum terms;

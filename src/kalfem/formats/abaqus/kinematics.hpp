@@ -24,6 +24,8 @@ public:
   /// Slaves move as one rigid body with the master.
   void add_link(const std::string& name, Index master, const std::vector<Index>& slaves, const Directions& tied);
   void add_weighted_link(WeightedLink link, const Where& where);
+  /// Whether the node takes the mean motion of others.
+  [[nodiscard]] bool is_mean(Index node) const { return means_.contains(node); }
   void hold(const std::string& name, Index node, int direction);
   /// A held motion that load cases move: what depends on it stays so.
   void move(const NodalDof& dof) { moved_.insert(dof); }
@@ -69,6 +71,7 @@ private:
   std::map<NodalDof, Index> leader_;                  ///< master of a slave's degree of freedom
   std::unordered_map<Index, std::set<Index>> above_;  ///< masters of a slave
   std::vector<Weighted> weighted_;
+  std::set<Index> means_;  ///< their followers
   std::vector<Equation> equations_;
   std::map<NodalDof, std::string> held_;
   std::set<NodalDof> fixed_;

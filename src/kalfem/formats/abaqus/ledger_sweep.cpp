@@ -1,6 +1,7 @@
 #include "kalfem/formats/abaqus/ledger_sweep.hpp"
 
 #include "kalfem/formats/abaqus/deck_reader.hpp"
+#include "kalfem/formats/abaqus/steps.hpp"
 
 #include <algorithm>
 #include <set>
@@ -35,6 +36,11 @@ const std::map<std::string, Names, std::less<>>& idle_parameters() {
       {"TEMPERATURE", {"OP", "AMPLITUDE", "FILE", "USER", "BSTEP", "BINC", "ESTEP", "EINC"}},
       {"AMPLITUDE", {"SMOOTH"}},
       {"MATERIAL", {"SRATEFACTOR", "SRATETYPE", "STRAINRATEREGULARIZATION"}},
+      {"STATIC",
+       {"DIRECT", "STABILIZE", "ALLSDTOL", "CONTINUE", "FACTOR", "ADIABATIC", "LONGTERM", "SOLVER", "EXPLICIT"}},
+      {"FREQUENCY",
+       {"EIGENSOLVER", "SOLVER", "NORMALIZATION", "STORAGE", "GLOBAL", "RESIDUALMODES", "DAMPINGPROJECTION", "SIM",
+        "PROPERTYEVALUATION", "CYCMPC", "ACOUSTICCOUPLING"}},
       {"STEP",
        {"NAME", "INC", "EXTRAPOLATION", "UNSYMM", "CONVERTSDI", "INCF", "AMPLITUDE", "NLGEOM", "PERTURBATION",
         "SOLVER"}}};
@@ -91,6 +97,25 @@ public:
            idle ? "without effect on natural modes and linear statics" : "it is not read, and may change the model",
            idle ? DeckNoteKind::unused : DeckNoteKind::missing);
     }
+  }
+
+  /// How a step is solved: increments, how many modes and in which range, solvers. kalfem's own options say that, so
+  /// all of it is entered alone; a parameter that is not known may mean another analysis. A step that is not solved has
+  /// no effect.
+  void settle_procedure(const Block& block, bool is_solved) {
+    for (const auto& parameter : block.keyword.parameters) {
+      const bool idle = !is_solved || is_idle(block.keyword.name, parameter.name);
+      const std::string field = "parameter " + parameter.name;
+      enter(block.keyword.where, block.keyword.title, field, idle ? FieldFate::told : FieldFate::refused);
+      if (!idle)
+        tell(block.keyword.where, field + " of " + block.keyword.title, "it is not read, and may change the analysis",
+             DeckNoteKind::missing);
+    }
+    for (const auto& line : block.lines)
+      for (std::size_t i = 0; i < line.fields.size(); ++i)
+        if (!line.fields[i].empty())
+          enter(line.where, block.keyword.title, field_name(i),
+                is_solved && line.is_asked(i) ? FieldFate::used : FieldFate::told);
   }
 
   void enter(const Where& where, const std::string& card, const std::string& field, FieldFate fate,
@@ -197,6 +222,7 @@ void settle_ledger(const RawDeck& raw, DeckNotes& notes, const Problems& problem
     for (const auto& block : material.blocks) sweep.settle(block);
   for (const auto& step : raw.steps) {
     sweep.settle(step.keyword);
+    sweep.settle_procedure(step.procedure_data, step.is_static() ? wants_case(raw, step) : true);
     for (const auto& block : step.blocks) sweep.settle(block);
   }
   for (const auto& keyword : raw.keywords) sweep.settle(keyword);

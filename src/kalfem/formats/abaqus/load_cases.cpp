@@ -74,14 +74,16 @@ private:
   const SupportHistory& history_;
   const FiniteElementModel& model_;
   std::map<NodalDof, std::string> held_;  ///< by supports of the model, with their names
+  std::map<int, LoadCase> read_cases_;    ///< by the number of the step
   ActiveLoads loads_;
   bool forces_removed_ = false, distributed_removed_ = false;  ///< in this step: only its first OP=NEW counts
 };
 
-// CalculiX keeps the loads of a perturbation for the steps behind it, Abaqus goes on with those before it.
+// A perturbation of Abaqus has its own loads alone, and the steps behind it go on with those before it. CalculiX takes
+// nodal forces away at its begin; all other loads, and those of the perturbation, go on.
 std::optional<LoadCase> LoadReader::read(const RawDeck::Step& step) {
   const ActiveLoads before = loads_;
-  if (step.is_perturbation()) loads_.remove_all();
+  if (step.is_perturbation()) raw_.from_abaqus ? loads_.remove_all() : loads_.remove_forces();
   loads_.begin_step();
   forces_removed_ = distributed_removed_ = false;
   for (const auto& block : step.blocks) read(block, step);
@@ -92,7 +94,12 @@ std::optional<LoadCase> LoadReader::read(const RawDeck::Step& step) {
     add_forces(*found);
     add_bodies(*found);
     add_holds(step, *found);
-    if (is_empty(*found)) found.reset();
+    if (const auto* base = base_step(raw_, step); base && read_cases_.contains(base->number))
+      found->preload = {read_cases_.at(base->number)};
+    if (is_empty(*found))
+      found.reset();
+    else
+      read_cases_.emplace(step.number, *found);
   }
   if (step.is_perturbation() && raw_.from_abaqus) loads_ = before;
   return found;

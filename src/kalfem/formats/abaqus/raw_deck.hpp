@@ -167,6 +167,7 @@ struct RawDeck {
     Keyword keyword = {};            ///< *STEP
     std::string procedure = {};      ///< "STATIC", "FREQUENCY", ...; empty where none was given
     double period = 1.0;             ///< of a static step, the time to which amplitudes run
+    Block procedure_data = {};       ///< of *STATIC and *FREQUENCY
     std::vector<Block> blocks = {};  ///< BOUNDARY, TEMPERATURE and loads
 
     [[nodiscard]] bool is_static() const { return procedure == "STATIC"; }

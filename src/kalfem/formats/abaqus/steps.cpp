@@ -13,11 +13,17 @@ bool has_load(const Block& block) {
                              [](const auto& line) { return to_number(line.field(3)).value_or(0.0) != 0.0; });
 }
 
-/// Whether something is loaded in a static step up to this one; *TEMPERATURE loads what expands.
+/// Whether something loads a static step; *TEMPERATURE loads what expands. Loads of earlier steps go on, but for those
+/// that a perturbation leaves behind, see LoadReader.
 bool is_loaded(const RawDeck& raw, const RawDeck::Step& last) {
+  const auto goes_on = [&](const RawDeck::Step& step, const Block& block) {
+    if (step.number == last.number || !last.is_perturbation()) return step.number <= last.number;
+    const std::string& name = block.keyword.name;
+    return step.number < last.number && !raw.from_abaqus && (name == "DLOAD" || name == "DSLOAD");
+  };
   return std::ranges::any_of(raw.steps, [&](const auto& step) {
-    return step.number <= last.number && step.is_static() && std::ranges::any_of(step.blocks, [&](const auto& block) {
-             return has_load(block) || (raw.expands && block.keyword.name == "TEMPERATURE");
+    return step.is_static() && std::ranges::any_of(step.blocks, [&](const auto& block) {
+             return goes_on(step, block) && (has_load(block) || (raw.expands && block.keyword.name == "TEMPERATURE"));
            });
   });
 }
@@ -37,18 +43,30 @@ const RawDeck::Step* model_step(const RawDeck& raw) {
   return raw.steps.empty() ? nullptr : &raw.steps.front();
 }
 
+const RawDeck::Step* base_step(const RawDeck& raw, const RawDeck::Step& step) {
+  const bool is_perturbation = step.is_perturbation() || (raw.from_abaqus && !step.is_static());
+  if (!is_perturbation) return nullptr;
+  const RawDeck::Step* last = nullptr;
+  bool is_nonlinear = false;
+  for (const auto& each : raw.steps) {
+    if (each.number >= step.number || !each.is_static() || (raw.from_abaqus && each.is_perturbation())) continue;
+    last = &each;
+    is_nonlinear = is_nonlinear || each.is_nonlinear();
+  }
+  if (!last || !is_loaded(raw, *last) || (raw.from_abaqus && !is_nonlinear)) return nullptr;
+  return last;
+}
+
 const RawDeck::Step* preload_step(const RawDeck& raw) {
   const auto* modes = model_step(raw);
-  if (!modes || modes->is_static() || modes->procedure.empty()) return nullptr;
-  const RawDeck::Step* last = nullptr;
-  for (const auto& step : raw.steps)
-    if (step.number < modes->number && step.is_static() && !step.is_perturbation()) last = &step;
-  if (!last || !is_loaded(raw, *last)) return nullptr;
-  return (raw.from_abaqus ? last->is_nonlinear() : modes->is_perturbation()) ? last : nullptr;
+  return !modes || modes->is_static() || modes->procedure.empty() ? nullptr : base_step(raw, *modes);
 }
 
 bool wants_case(const RawDeck& raw, const RawDeck::Step& step) {
-  return step.is_static() && (raw.load_cases || &step == preload_step(raw));
+  if (!step.is_static() || raw.load_cases) return step.is_static();
+  for (const auto* base = preload_step(raw); base; base = base_step(raw, *base))
+    if (base == &step) return true;
+  return false;
 }
 
 namespace {
@@ -70,19 +88,31 @@ void note_left_out_stress(const RawDeck& raw, DeckNotes& notes, const Problems& 
   }
 }
 
+/// A static perturbation in Abaqus behind a loaded step with small displacements.
+void note_perturbations_without_stress(const RawDeck& raw, DeckNotes& notes, const Problems& problems) {
+  if (!raw.load_cases || !raw.from_abaqus) return;
+  const auto loads_before = [&](const RawDeck::Step& step) {
+    return std::ranges::any_of(raw.steps, [&](const auto& each) {
+      return each.number < step.number && each.is_static() && !each.is_perturbation() && is_loaded(raw, each);
+    });
+  };
+  for (const auto& step : raw.steps)
+    if (step.is_static() && step.is_perturbation() && !base_step(raw, step) && loads_before(step))
+      notes.add(problems.location(step.keyword.where), "*STEP, PERTURBATION of a static step",
+                "as in Abaqus, the stress of the steps before is left out, since NLGEOM is not on in them",
+                DeckNoteKind::doubtful);
+}
+
 }  // namespace
 
 void note_steps(const RawDeck& raw, DeckNotes& notes, const Problems& problems) {
   note_left_out_stress(raw, notes, problems);
+  note_perturbations_without_stress(raw, notes, problems);
   const auto* preload = preload_step(raw);
   for (const auto& step : raw.steps) {
     if (step.is_nonlinear())
       notes.add(problems.location(step.keyword.where), "*STEP, NLGEOM", "displacements are taken as small",
                 DeckNoteKind::doubtful);
-    const auto* before = step.number > 1 ? &raw.steps[static_cast<std::size_t>(step.number - 2)] : nullptr;
-    if (raw.load_cases && step.is_static() && step.is_perturbation() && before && is_loaded(raw, *before))
-      notes.add(problems.location(step.keyword.where), "*STEP, PERTURBATION of static steps",
-                "it is solved without the stiffness due to the stress of earlier steps", DeckNoteKind::changed);
     if (raw.load_cases || (preload && step.number <= preload->number)) continue;
     for (const auto& block : step.blocks)
       if (block.keyword.name != "BOUNDARY" && block.keyword.name != "TEMPERATURE")
@@ -119,10 +149,14 @@ double amplitude_at_end(PlacedDeck& deck, const Keyword& keyword, const RawDeck&
     return fail("its TIME is neither STEP nor TOTAL TIME");
   const auto values = all_numbers(amplitude->lines, "a time or value", deck.problems);
   if (values.size() < 2 || values.size() % 2 != 0) return fail("the amplitude has no pairs of times and values");
-  double time = step.period;
+  const auto period_of = [](const RawDeck::Step& each) {
+    (void)line_of(each.procedure_data, 0).field(1);  // it counts from here on
+    return each.period;
+  };
+  double time = period_of(step);
   if (axis == "TOTALTIME")
     for (const auto& earlier : raw.steps)
-      if (earlier.number < step.number) time += earlier.period;
+      if (earlier.number < step.number) time += period_of(earlier);
   time -= number_parameter(given, "SHIFTX", deck.problems).value_or(0.0);
   const double raised = number_parameter(given, "SHIFTY", deck.problems).value_or(0.0);
   const std::size_t count = values.size() / 2;

@@ -12,12 +12,16 @@ namespace kalfem::abaqus {
 /// static, otherwise the first one. nullptr without steps.
 const RawDeck::Step* model_step(const RawDeck& raw);
 
-/// The static step whose stress is in the modes of model_step(): the last one before it, if this is a *STEP,
-/// PERTURBATION (CalculiX), or if large displacements were on in that one (Abaqus). nullptr where there is none, or
-/// where nothing is loaded up to it.
+/// The static step whose stress is in the stiffness of another step, nullptr where there is none or it is not loaded:
+/// * CalculiX: of a *STEP, PERTURBATION the last static one before it, which may be a perturbation itself;
+/// * Abaqus: of modes and static perturbations the last static one before them that is no perturbation, if large
+///   displacements were on in it or earlier.
+const RawDeck::Step* base_step(const RawDeck& raw, const RawDeck::Step& step);
+
+/// The base_step() of the modes that the model is made for; nullptr where model_step() is a static one.
 const RawDeck::Step* preload_step(const RawDeck& raw);
 
-/// Whether a load case is made of the step: all static ones are wanted, or it is the preload.
+/// Whether a load case is made of the step: all static ones are wanted, or the preload rests on it.
 bool wants_case(const RawDeck& raw, const RawDeck::Step& step);
 
 /// Tells what steps ask for and the model does not have: loads, large displacements, the stress of earlier steps.

@@ -78,6 +78,12 @@ NodeAxes read_transforms(PlacedDeck& deck) {
 void read_boundaries(PlacedDeck& deck, const NodeAxes& axes, const SupportHistory& history, Kinematics& motions) {
   std::map<Index, TurnedSupport> turned;
   const auto& varying = history.varying();
+  for (const auto& [dof, hold] : history.of_model())
+    if (!deck.of_abaqus() && motions.is_mean(dof.node))
+      deck.notes.add(
+          deck.problems.location(hold.where), "*BOUNDARY on the reference node of *DISTRIBUTING",
+          "the mean motion of the coupled nodes is held, as in Abaqus; CalculiX solves as if the node were free",
+          DeckNoteKind::doubtful);
   for (const auto& [dof, hold] : history.of_model()) {
     if (axes.contains(dof.node)) {
       auto& support = turned.try_emplace(dof.node, TurnedSupport{hold.name}).first->second;

@@ -39,42 +39,57 @@ public:
   std::vector<ForeignMatrix> read() {
     std::vector<ForeignMatrix> matrices;
     std::set<std::string> used;
-    for (const auto& [group, members] : groups_)
+    for (const auto& [group, members] : groups_) {
+      asked_.clear();
       if (auto matrix = sparse(group)) {
         matrices.push_back(std::move(*matrix));
-        for (const auto& member : members) used.insert(group + "/" + member);
+        used.insert(asked_.begin(), asked_.end());
       }
-    std::string others;
+    }
     for (const auto& name : names_) {
-      const std::size_t slash = name.find_last_of('/');
-      if (used.contains(name.substr(0, slash + 1) + lower_case(name.substr(slash + 1))) || is_map_name(name)) continue;
+      if (used.contains(name) || is_map(name)) continue;
       if (file_.holds_numbers(name) && file_.shape(name).size() == 2)
         matrices.push_back(dense(name));
       else
-        others += (others.empty() ? "" : ", ") + plain(name);
+        others_.push_back(plain(name));
     }
-    std::erase_if(matrices, [](const ForeignMatrix& matrix) { return matrix.matrix.size() == 0; });
+    std::erase_if(matrices, [&](const ForeignMatrix& matrix) {
+      if (matrix.matrix.size() == 0) others_.push_back(matrix.name);
+      return matrix.matrix.size() == 0;
+    });
     if (matrices.empty())
       refuse("the file has no matrix",
              "a dataset of two dimensions or a group with data, indices and indptr is required");
-    if (!others.empty()) matrices.front().notes.push_back("datasets that are no matrices and are not used: " + others);
     attach_map(matrices);
+    if (!others_.empty()) {
+      std::string names;
+      for (const auto& name : others_) names += (names.empty() ? "" : ", ") + name;
+      matrices.front().notes.push_back("datasets that are no matrices and are not used: " + names);
+    }
     return matrices;
   }
 
 private:
+  [[nodiscard]] bool is_map(const std::string& name) const {
+    if (!is_map_name(name) || !file_.holds_numbers(name)) return false;
+    const auto shape = file_.shape(name);
+    return shape.size() == 2 && shape[1] == 2;
+  }
+
   /// The dataset of a group under one of several usual names, "" where there is none.
-  [[nodiscard]] std::string member(const std::string& group, const Names& usual) const {
+  [[nodiscard]] std::string member(const std::string& group, const Names& usual) {
     for (const auto& name : names_) {
       if (name.substr(0, name.find_last_of('/')) != group) continue;
       const std::string last = lower_case(name.substr(name.find_last_of('/') + 1));
-      if (std::ranges::find(usual, last) != usual.end() && file_.holds_numbers(name) && file_.shape(name).size() < 3)
+      if (std::ranges::find(usual, last) != usual.end() && file_.holds_numbers(name) && file_.shape(name).size() < 3) {
+        asked_.insert(name);
         return name;
+      }
     }
     return {};
   }
 
-  [[nodiscard]] std::optional<ForeignMatrix> sparse(const std::string& group) const {
+  [[nodiscard]] std::optional<ForeignMatrix> sparse(const std::string& group) {
     const std::string values = member(group, {"data", "values", "vals", "val", "value", "v", "pr"});
     if (values.empty()) return {};
     if (const std::string starts = member(group, {"indptr", "jc", "ptr", "colptr", "rowptr", "row_ptr", "col_ptr"}),
@@ -91,7 +106,7 @@ private:
   // attribute states the kind (format, encoding-type of anndata, h5sparse_format); jc of MATLAB and colptr of Julia
   // are columns by their name.
   [[nodiscard]] ForeignMatrix compressed(const std::string& group, const std::string& values,
-                                         const std::string& indices, const std::string& starts) const {
+                                         const std::string& indices, const std::string& starts) {
     const Eigen::VectorXd data = numbers(values);
     const auto inner = whole_numbers(indices), outer = whole_numbers(starts);
     const auto size = stated_size(group);
@@ -124,7 +139,7 @@ private:
   }
 
   [[nodiscard]] ForeignMatrix triplets(const std::string& group, const std::string& values, const std::string& rows,
-                                       const std::string& columns) const {
+                                       const std::string& columns) {
     const Eigen::VectorXd data = numbers(values);
     const auto row = whole_numbers(rows), column = whole_numbers(columns);
     if (row.size() != static_cast<std::size_t>(data.size()) || column.size() != row.size() || row.empty())
@@ -158,7 +173,7 @@ private:
   }
 
   /// "shape" as a dataset or an attribute, MATLAB's number of rows.
-  [[nodiscard]] std::optional<std::array<std::int64_t, 2>> stated_size(const std::string& group) const {
+  [[nodiscard]] std::optional<std::array<std::int64_t, 2>> stated_size(const std::string& group) {
     const std::string owner = group.empty() ? "/" : group;
     if (const std::string shape = member(group, {"shape", "size", "dims"}); !shape.empty()) {
       const auto values = whole_numbers(shape);
@@ -225,15 +240,19 @@ private:
     return result;
   }
 
-  void attach_map(std::vector<ForeignMatrix>& matrices) const {
+  /// A map that is as long as no matrix is one of the others.
+  void attach_map(std::vector<ForeignMatrix>& matrices) {
     for (const auto& name : names_) {
-      if (!is_map_name(name) || !file_.holds_numbers(name)) continue;
-      const auto shape = file_.shape(name);
-      if (shape.size() != 2 || shape[1] != 2) continue;
+      if (!is_map(name)) continue;
       require_stored(name);
       const auto map = dofs_of_map(file_.read_matrix(name), source_);
-      for (auto& matrix : matrices)
-        if (matrix.dofs.empty() && matrix.matrix.rows() == static_cast<Index>(map.size())) matrix.dofs = map;
+      bool fits = false;
+      for (auto& matrix : matrices) {
+        if (!matrix.dofs.empty() || matrix.matrix.rows() != static_cast<Index>(map.size())) continue;
+        matrix.dofs = map;
+        fits = true;
+      }
+      if (!fits) others_.push_back(plain(name));
     }
   }
 
@@ -250,6 +269,8 @@ private:
   std::size_t bytes_;
   Names names_;
   std::map<std::string, std::set<std::string>> groups_;
+  std::set<std::string> asked_;  ///< datasets of the group that is tried as a sparse matrix
+  Names others_;                 ///< datasets that are not used
 };
 
 }  // namespace

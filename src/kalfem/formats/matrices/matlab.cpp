@@ -91,10 +91,17 @@ private:
       const std::string content = uncompressed(element.data, file_.file(), most_unpacked(file_.size()));
       ByteReader inside(content, file_.file(), file_.big_endian());
       const Element array = next_element(inside);
-      if (array.type == array_element) read_array(array.data);
-    } else if (element.type == array_element) {
-      read_array(element.data);
+      take_plain(array);
+    } else {
+      take_plain(element);
     }
+  }
+
+  void take_plain(const Element& element) {
+    if (element.type == array_element)
+      read_array(element.data);
+    else
+      others_.push_back("element of type " + std::to_string(element.type));
   }
 
   void read_array(std::string_view data) {
@@ -105,13 +112,16 @@ private:
     const auto lengths = whole_numbers(next_element(reader));
     const std::string name(next_element(reader).data);
     if (kind < sparse_array || kind > last_number_array || lengths.size() != 2) {
-      if (!name.empty()) others_.push_back(name);
+      others_.push_back(name.empty() ? "without a name" : name);
       return;
     }
     if (flags & complex_flag)
       file_.refuse("matrix '" + name + "' is complex", "only real matrices are supported",
                    "save stiffness and damping as real matrices");
-    if (lengths[0] == 0 || lengths[1] == 0) return;
+    if (lengths[0] == 0 || lengths[1] == 0) {
+      others_.push_back(name);
+      return;
+    }
     MatrixEntries entries(file_.file(), name, lengths[0], lengths[1], file_.size() + data.size());
     if (kind == sparse_array)
       read_sparse(reader, entries, lengths);
@@ -127,6 +137,7 @@ private:
     for (std::int64_t column = 0; column < lengths[1]; ++column)
       for (std::int64_t row = 0; row < lengths[0]; ++row)
         if (const double value = number(numbers, values.type); value != 0.0) entries.add(row, column, value);
+    if (!numbers.at_end()) numbers.refuse("a matrix holds more numbers than its size says");
   }
 
   // Compressed columns: the entries of column j are those from starts[j] up to starts[j + 1]. MATLAB may reserve more

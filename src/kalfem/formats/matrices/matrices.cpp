@@ -131,8 +131,11 @@ std::vector<ForeignMatrix> wanted(std::vector<ForeignMatrix> all, const std::vec
       continue;
     }
     chosen.push_back(*found);
+    found->notes.clear();
   }
   issues.raise();
+  for (const auto& other : all)  // what the file holds beside matrices stands at one of them, which may not be wanted
+    chosen.front().notes.insert(chosen.front().notes.end(), other.notes.begin(), other.notes.end());
   return chosen;
 }
 
@@ -163,13 +166,21 @@ void attach_neighbouring_map(std::vector<ForeignMatrix>& matrices, const std::fi
   std::error_code ignored;
   if (map == path || !std::filesystem::is_regular_file(map, ignored)) return;
   const auto dofs = read_dof_map(map);
+  bool fits = false;
   for (auto& matrix : matrices) {
     if (!matrix.dofs.empty() || matrix.matrix.rows() > static_cast<Eigen::Index>(dofs.size())) continue;
     // The last rows may hold no entry.
     const auto n = static_cast<Eigen::Index>(dofs.size());
     if (matrix.matrix.rows() == matrix.matrix.cols()) matrix.matrix.conservativeResize(n, n);
-    if (matrix.matrix.rows() == n) matrix.dofs = dofs;
+    if (matrix.matrix.rows() != n) continue;
+    matrix.dofs = dofs;
+    fits = true;
   }
+  if (!fits && !matrices.empty())
+    matrices.front().notes.push_back("'" + map.filename().string() + "' beside the file lists " +
+                                     std::to_string(dofs.size()) +
+                                     " degrees of freedom and is not used: no matrix without a list of its own has as "
+                                     "many rows");
 }
 
 }  // namespace

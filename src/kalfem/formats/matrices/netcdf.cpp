@@ -61,23 +61,35 @@ public:
 
   std::vector<ForeignMatrix> matrices() {
     std::vector<MatrixDof> map;
+    std::string map_name;
     for (const auto& variable : variables_)
-      if (is_map_name(variable.name) && length(variable, 1) == 2) map = dofs_of_map(values(variable), file_.file());
+      if (is_map(variable)) {
+        map = dofs_of_map(values(variable), file_.file());
+        map_name = variable.name;
+      }
     std::vector<ForeignMatrix> found;
     std::string others;
+    const auto pass_over = [&](const std::string& name) { others += (others.empty() ? "" : ", ") + name; };
+    bool map_fits = false;
     for (const auto& variable : variables_) {
-      if (is_map_name(variable.name)) continue;
+      if (is_map(variable)) {
+        if (variable.name != map_name) pass_over(variable.name);
+        continue;
+      }
       if (variable.dimensions.size() != 2 || variable.type == 2 || length(variable, 0) == 0 ||
           length(variable, 1) == 0) {
-        others += (others.empty() ? "" : ", ") + variable.name;
+        pass_over(variable.name);
         continue;
       }
       if (variable.is_packed)
         file_.refuse("variable '" + variable.name + "' is packed (scale_factor, add_offset)",
                      "its numbers are not those of the matrix", "export it unpacked");
       found.push_back({variable.name, checked(variable).sparseView(), {}, false});
-      if (static_cast<std::size_t>(found.back().matrix.rows()) == map.size()) found.back().dofs = map;
+      if (static_cast<std::size_t>(found.back().matrix.rows()) != map.size()) continue;
+      found.back().dofs = map;
+      map_fits = true;
     }
+    if (!map_name.empty() && !map_fits) pass_over(map_name);
     if (found.empty()) file_.refuse("the file has no matrix", "a variable of two dimensions is required");
     if (!others.empty()) found.front().notes.push_back("variables that are no matrices and are not used: " + others);
     return found;
@@ -147,6 +159,10 @@ private:
       variable.begin = static_cast<std::size_t>(begin);
       variables_.push_back(std::move(variable));
     }
+  }
+
+  [[nodiscard]] bool is_map(const Variable& variable) const {
+    return is_map_name(variable.name) && variable.dimensions.size() == 2 && length(variable, 1) == 2;
   }
 
   /// Length along one dimension; 0 where there is no such dimension, or it grows with the records.

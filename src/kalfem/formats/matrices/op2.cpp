@@ -39,6 +39,9 @@ public:
       file_.refuse("the file has no matrix, only tables", "matrices such as KAA and MAA are required",
                    "export them with OUTPUT2 from the other code");
     if (!tables_.empty()) matrices.front().notes.push_back("tables that are not used: " + tables_);
+    if (!file_.at_end())
+      matrices.front().notes.push_back(std::to_string(file_.remaining()) +
+                                       " bytes behind the end of the data blocks are not used");
     return matrices;
   }
 
@@ -103,6 +106,7 @@ private:
         std::int64_t row = whole(record) - 1;
         for (; record.remaining() >= bytes; ++row)
           entries.add(row, column, single ? static_cast<double>(record.read<float>()) : record.read<double>());
+        if (!record.at_end()) record.refuse("a string of numbers has a part of a number at its end");
       }
       read_key();
       more = read_key();

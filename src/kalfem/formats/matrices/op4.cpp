@@ -187,6 +187,14 @@ private:
                "an entry of matrix '" + header.matrix.name + "' is expected");
       entries.add(row + i, column, *value, lines_.number());
     }
+    const std::size_t used = count > 0 ? static_cast<std::size_t>((count - 1) % fields_per_line(header)) + 1 : 0;
+    if (const auto rest = cut(line, used * header.fields.width, line.size()); !rest.empty())
+      refuse("'" + std::string(rest.substr(0, 40)) + "' stands behind the last number of a column or string",
+             "its header states " + std::to_string(count) + " numbers");
+  }
+
+  static std::int64_t fields_per_line(const TextHeader& header) {
+    return static_cast<std::int64_t>(header.fields.per_line);
   }
 
   std::string_view next_line() {
@@ -255,6 +263,7 @@ private:
     header.type = whole(record);
     header.name = name_in(record.take(record.remaining()), before);
     MatrixEntries entries = op4_entries(header, file_.file(), file_.size(), 0);
+    std::size_t behind = 0;
     for (;;) {
       ByteReader column = next_record();
       const std::int64_t number = whole(column), row = whole(column), words = whole(column);
@@ -264,8 +273,12 @@ private:
         read_numbers(entries, column, header, row - 1, number - 1, words / words_per_value(header));
       else
         read_strings(entries, column, header, number - 1, words);
+      behind += column.remaining();
     }
-    return op4_matrix(header, entries);
+    ForeignMatrix matrix = op4_matrix(header, entries);
+    if (behind > 0)
+      matrix.notes.push_back(std::to_string(behind) + " bytes behind the numbers of its columns are not used");
+    return matrix;
   }
 
   /// Letters and digits of the name; blanks and zeros fill it up.

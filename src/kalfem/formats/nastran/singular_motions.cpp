@@ -3,8 +3,8 @@
 #include <cmath>
 #include <set>
 
+#include "kalfem/formats/held_turns.hpp"
 #include "kalfem/formats/nastran/model_building.hpp"
-#include "kalfem/formats/shell_surfaces.hpp"
 #include "kalfem/model/assembly/constraint_elimination.hpp"
 
 namespace kalfem::nastran {
@@ -191,26 +191,18 @@ void tie(FiniteElementModel& model, Eigen::Index node, Eigen::Index own, const E
   }
 }
 
-/// Rotations about the normal that the deck holds: released where the held direction is the normal, otherwise left to
-/// the shells' own nodes.
-void release_held(Building& building, const std::vector<NodalSurface>& surfaces, std::vector<bool>& turned) {
-  const auto held = held_drilling(building.model, surfaces);
-  if (held.empty()) return;
+/// Rotations about the normal that another subcase holds: released where the held direction is the normal, otherwise
+/// left to the shells' own nodes. Returns how many.
+std::size_t release_held(FiniteElementModel& model, const std::vector<NodalSurface>& surfaces,
+                         std::vector<bool>& turned) {
   std::vector<NodalDof> along;
-  std::set<Eigen::Index> nodes;
-  for (const auto& dof : held) {
-    nodes.insert(dof.node);
+  for (const auto& dof : held_drilling(model, surfaces))
     if (!turned[static_cast<std::size_t>(dof.node)] && is_along_normal(surfaces, dof))
       along.push_back(dof);
     else
       turned[static_cast<std::size_t>(dof.node)] = true;
-  }
-  release(building.model, along);
-  building.note(building.bulk.grids[static_cast<std::size_t>(held.front().node)].where,
-                "fixed rotations of shells about their normal",
-                "Nastran shells have almost no stiffness there: at " + std::to_string(nodes.size()) +
-                    " nodes these rotations are left free, as in Nastran",
-                DeckNoteKind::unused);
+  release(model, along);
+  return along.size();
 }
 
 }  // namespace
@@ -232,12 +224,17 @@ void apply_k6rot(Building& building, const OtherSupports& others) {
   auto& model = building.model;
   auto turned = turned_by_others(model);
   const auto surfaces = nodal_surfaces(model);
-  release_held(building, surfaces, turned);
+  std::size_t released = release_turns_about_normal(model, surfaces, turned);
   for (auto* supports : others) {
     std::swap(model.fixed, *supports);
-    release_held(building, surfaces, turned);
+    released = std::max(released, release_held(model, surfaces, turned));
     std::swap(model.fixed, *supports);
   }
+  if (released > 0)
+    building.note({}, "fixed rotations of shells about their normal",
+                  "Nastran shells have almost no stiffness there: at " + std::to_string(released) +
+                      " nodes these rotations are left free, as in Nastran",
+                  DeckNoteKind::unused);
   std::vector<Eigen::Index> own(turned.size(), -1);
   std::vector<Eigen::Vector3d> places;
   auto& mesh = model.mesh;

@@ -23,11 +23,29 @@ void drop_below(std::map<NodalDof, double>& terms, double limit) {
 
 }  // namespace
 
+// Of nearly equal coefficients the first is taken, so that the choice does not depend on rounding.
+NodalDof ReducedEquations::pivot_of(const std::map<NodalDof, double>& terms,
+                                    const std::optional<NodalDof>& preferred) const {
+  const double least = 1e-6 * largest(terms);
+  const auto can_follow = [&](const auto& term) {
+    return std::abs(term.second) > least && !leading_.contains(term.first);
+  };
+  const bool any_follows = std::ranges::any_of(terms, can_follow);
+  const auto is_candidate = [&](const auto& term) { return !any_follows || can_follow(term); };
+  if (preferred)
+    if (const auto found = terms.find(*preferred);
+        found != terms.end() && std::abs(found->second) > least && is_candidate(*found))
+      return *preferred;
+  const std::pair<const NodalDof, double>* pivot = nullptr;
+  for (const auto& term : terms)
+    if (is_candidate(term) && (!pivot || std::abs(pivot->second) < std::abs(term.second) * (1.0 - 1e-9))) pivot = &term;
+  return pivot->first;
+}
+
 // One step of Gauss-Jordan elimination, kept reduced: every row has the coefficient 1 at its pivot, and no other row
 // contains that pivot.
 // 1. Add equal terms and substitute the pivots of earlier rows. If only rounding is left, the equation is redundant.
 // 2. Choose the pivot: the preferred degree of freedom unless its coefficient is negligible, otherwise the largest.
-// Of nearly equal coefficients the first is taken, so that the choice does not depend on rounding.
 // 3. Divide by the pivot's coefficient and substitute the new row into the earlier ones that contain the pivot.
 bool ReducedEquations::add(const std::string& name, const DofSum& given, std::optional<NodalDof> preferred,
                            const SourceLocation& where) {
@@ -47,14 +65,7 @@ bool ReducedEquations::add(const std::string& name, const DofSum& given, std::op
   drop_below(terms, coefficient_rounding * scale);
   if (terms.empty()) return false;
 
-  const double top = largest(terms);
-  NodalDof pivot;
-  if (preferred && terms.contains(*preferred) && std::abs(terms.at(*preferred)) > 1e-6 * top)
-    pivot = *preferred;
-  else
-    pivot = std::max_element(terms.begin(), terms.end(), [](const auto& a, const auto& b) {
-              return std::abs(a.second) < std::abs(b.second) * (1.0 - 1e-9);
-            })->first;
+  const NodalDof pivot = pivot_of(terms, preferred);
   const double divisor = terms.at(pivot);
   for (auto& [dof, coefficient] : terms) coefficient /= divisor;
   drop_below(terms, coefficient_rounding * largest(terms));

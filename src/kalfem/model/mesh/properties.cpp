@@ -104,8 +104,7 @@ BeamSection rectangular_tube_section(double width_y, double height_z, double wal
   return {.area = width_y * height_z - inner_y * inner_z,
           .inertia_y = (width_y * std::pow(height_z, 3) - inner_y * std::pow(inner_z, 3)) / 12.0,
           .inertia_z = (height_z * std::pow(width_y, 3) - inner_z * std::pow(inner_y, 3)) / 12.0,
-          // Bredt: J = 4 A_m^2 / (perimeter / t) of the line through the middles of the walls.
-          .torsion = 2.0 * wall * std::pow(middle_y * middle_z, 2) / (middle_y + middle_z),
+          .torsion = box_torsion(middle_y, middle_z, {wall, wall}, {wall, wall}),
           .shear_factor_y = box_shear_factor(middle_y, middle_z, poissons_ratio),
           .shear_factor_z = box_shear_factor(middle_z, middle_y, poissons_ratio),
           .outline = rectangle_outline(width_y, height_z)};

@@ -54,7 +54,7 @@ BeamSection rectangular_section(double width_y, double height_z, double poissons
 BeamSection circular_section(double diameter, double poissons_ratio = 0.3);
 /// Circular tube of any wall.
 BeamSection circular_tube_section(double outer_diameter, double wall, double poissons_ratio = 0.3);
-/// Rectangular tube with sharp corners: A and I exact, J by Bredt's formula and the shear factors for a thin wall.
+/// Rectangular tube with sharp corners: A and I exact, J by box_torsion() and the shear factors for a thin wall.
 BeamSection rectangular_tube_section(double width_y, double height_z, double wall, double poissons_ratio = 0.3);
 
 /// Torsion constant of a box of thin walls of any thickness t, between the middles of its corners l long:

@@ -74,6 +74,7 @@ struct LoadCase {
   std::vector<BeamLoad> beam_loads = {};
   std::optional<std::vector<FixedNodes>> supports = {};  ///< instead of the model's
   bool of_deck = false;                                  ///< one of a deck's cases, which may load supports alone
+  std::vector<LoadCase> preload = {};                    ///< none or one, whose stresses are in the stiffness
 
   /// Of gravity and rotation together.
   [[nodiscard]] AccelerationField field() const;

@@ -4,12 +4,13 @@
 #include <map>
 #include <set>
 
-#include "kalfem/linalg/sparse_factor.hpp"
 #include "kalfem/model/assembly/assembly.hpp"
 #include "kalfem/model/assembly/constraints.hpp"
 #include "kalfem/model/assembly/rigid_body.hpp"
 #include "kalfem/model/checks/single_checks.hpp"
 #include "kalfem/model/statics/free_motions.hpp"
+#include "kalfem/model/statics/geometric_stiffness.hpp"
+#include "kalfem/model/statics/held_stiffness.hpp"
 #include "kalfem/model/statics/rotation.hpp"
 
 namespace kalfem {
@@ -56,42 +57,6 @@ struct Prescribed {
   double value = 0.0;
 };
 
-/// K with some degrees of freedom prescribed: z = F z_f + prescribed ones, F a selection of columns.
-class HeldStiffness {
-public:
-  /// Throws NotPositiveDefinite where the free part can move without force.
-  HeldStiffness(const SparseMatrix& stiffness, const std::vector<Index>& held)
-      : stiffness_(stiffness),
-        free_(selection(stiffness.cols(), held)),
-        factor_(SparseMatrix(free_.transpose() * stiffness * free_)) {}
-
-  /// z with K z = f at the free degrees of freedom. `z`: the prescribed values, 0 elsewhere. Each turn of the loop
-  /// solves for what is left of the forces: the first for the solution, the others refine it.
-  [[nodiscard]] VectorXd solve(const VectorXd& forces, VectorXd z) const {
-    constexpr int refinements = 2;
-    for (int i = 0; i <= refinements; ++i) {
-      const VectorXd left = free_.transpose() * (forces - stiffness_ * z);
-      z += free_ * VectorXd(factor_.solve(left));
-    }
-    return z;
-  }
-
-private:
-  static SparseMatrix selection(Index size, const std::vector<Index>& held) {
-    std::vector<Eigen::Triplet<double>> entries;
-    for (Index i = 0; i < size; ++i)
-      if (!std::ranges::binary_search(held, i))
-        entries.emplace_back(static_cast<int>(i), static_cast<int>(entries.size()), 1.0);
-    SparseMatrix matrix(size, static_cast<Index>(entries.size()));
-    matrix.setFromTriplets(entries.begin(), entries.end());
-    return matrix;
-  }
-
-  const SparseMatrix& stiffness_;
-  SparseMatrix free_;  ///< F
-  SparseFactor factor_;
-};
-
 }  // namespace
 
 // What a load case needs in turn: what it prescribes, its forces over the degrees of freedom of the released model, the
@@ -110,11 +75,12 @@ public:
       nodal_.push_back(nodal_forces(model_, each));
       check_loads(nodal_.back(), each, issues);
       if (each.rotation) nodal_.back() += centrifugal_forces(model_, *each.rotation);
+      preloads_.push_back(preload(each));
       prescribed_.push_back(prescribed_by(each, supported_[i], issues));
       if (issues.empty()) require_effect(each, nodal_.back(), prescribed_.back(), issues);
     }
     issues.raise();
-    for (const auto& prescribed : prescribed_) factor(prescribed);
+    for (std::size_t i = 0; i < cases_.size(); ++i) factor(i);
   }
 
   [[nodiscard]] const FiniteElementModel& model() const { return model_; }
@@ -124,17 +90,53 @@ public:
     const LoadCase& load_case = cases_.at(index);
     const auto& prescribed = prescribed_[index];
     const VectorXd forces = forces_of(load_case, nodal_[index]), held_values = values_of(prescribed);
-    const VectorXd z = held_.at(places_of(prescribed)).solve(forces, held_values);
+    const SparseMatrix& stiffness = stiffness_of(index);
+    const VectorXd z = held_.at({preloads_[index], places_of(prescribed)}).solve(forces, held_values);
     StaticSolution solution;
     solution.load_case = load_case.name;
+    solution.preload = preloads_[index];
     solution.displacements = assembled_.expansion * z;
     solution.applied = applied(nodal_[index], load_case.gravity);
-    add_reactions(prescribed, stiffness_ * z - forces, solution);
-    judge_balance(nodal_[index], (stiffness_.cwiseAbs() * z.cwiseAbs()).maxCoeff(), solution);
+    add_reactions(prescribed, stiffness * z - forces, solution);
+    const double largest = (stiffness.cwiseAbs() * z.cwiseAbs()).maxCoeff();
+    judge_balance(nodal_[index], preload_forces(index, solution.displacements), largest, solution);
     return solution;
   }
 
+  [[nodiscard]] std::vector<std::string> ignored_springs(std::size_t index) const {
+    return preloads_[index].empty() ? std::vector<std::string>{} : carried_.at(preloads_[index]).preload.ignored;
+  }
+
 private:
+  /// What load cases with one preload share.
+  struct Carried {
+    Preload preload;
+    SparseMatrix stiffness;  ///< K + K_g over the degrees of freedom of the released model
+  };
+
+  /// The preload's name, empty without one, after it is solved.
+  std::string preload(const LoadCase& load_case) {
+    if (load_case.preload.empty()) return {};
+    const LoadCase& carried = load_case.preload.front();
+    if (!carried_.contains(carried.name)) {
+      Preload found = preload_of(model_, carried);
+      SparseMatrix own =
+          stiffness_ + SparseMatrix(assembled_.expansion.transpose() * found.stiffness * assembled_.expansion);
+      carried_.emplace(carried.name, Carried{std::move(found), std::move(own)});
+    }
+    return carried.name;
+  }
+
+  [[nodiscard]] const SparseMatrix& stiffness_of(std::size_t index) const {
+    return preloads_[index].empty() ? stiffness_ : carried_.at(preloads_[index]).stiffness;
+  }
+
+  /// K_g u over all degrees of freedom: stresses that turn with the structure, 0 without a preload.
+  [[nodiscard]] VectorXd preload_forces(std::size_t index, const VectorXd& displacements) const {
+    if (preloads_[index].empty()) return VectorXd::Zero(displacements.size());
+    return carried_.at(preloads_[index]).preload.stiffness * displacements;
+  }
+
   /// Positions of what is prescribed, ascending.
   [[nodiscard]] std::vector<Prescribed> prescribed_by(const LoadCase& load_case,
                                                       const std::map<NodalDof, std::string>& supported,
@@ -148,6 +150,7 @@ private:
         all.at(place).value = value;
         continue;
       }
+      if (of_support && place < 0) continue;  // nothing moves with it
       const std::string title = title_of(load_case) + " imposes a motion on " + dof_name(model_.mesh, dof);
       if (const auto support = supported.find(dof); support != supported.end())
         issues.add({}, title + ", which the support '" + support->second + "' holds", "it cannot be at two places",
@@ -226,14 +229,27 @@ private:
     return places;
   }
 
-  /// Cases that hold the same degrees of freedom share a factor.
-  void factor(const std::vector<Prescribed>& prescribed) {
-    const auto held = places_of(prescribed);
-    if (!held_.contains(held)) try {
-        held_.try_emplace(held, stiffness_, held);
-      } catch (const NotPositiveDefinite&) {
-        throw free_to_move(model_, assembled_, held);
-      }
+  /// Cases with the same preload that hold the same degrees of freedom share a factor.
+  void factor(std::size_t index) {
+    const auto held = places_of(prescribed_[index]);
+    const std::string& preload = preloads_[index];
+    if (held_.contains({preload, held})) return;
+    try {
+      held_.try_emplace({preload, held}, stiffness_of(index), held);
+    } catch (const NotPositiveDefinite&) {
+      if (preload.empty() || !is_held(held)) throw free_to_move(model_, assembled_, held);
+      throw InvalidInput("the preload '" + preload + "' of " + title_of(cases_[index]) +
+                             " is beyond its buckling load or critical speed",
+                         "its stiffness under this load is not positive definite", "reduce the load or add supports");
+    }
+  }
+
+  /// Whether supports at these places hold the structure without a preload.
+  [[nodiscard]] bool is_held(const std::vector<Index>& held) const try {
+    HeldStiffness(stiffness_, held);
+    return true;
+  } catch (const NotPositiveDefinite&) {
+    return false;
   }
 
   [[nodiscard]] Resultant applied(const VectorXd& nodal, const Eigen::Vector3d& gravity) const {
@@ -292,15 +308,20 @@ private:
       forces.push_back({dof, -joint.stiffness * deformation * coefficient});
   }
 
-  /// `largest`: internal force, whose rounding is no load: there are none where supports move the whole alike.
-  void judge_balance(const VectorXd& nodal, double largest, StaticSolution& solution) const {
+  /// Loads and reactions are in equilibrium with the forces of a preload that turns with the structure. `largest`:
+  /// internal force, whose rounding is no load: there are none where supports move the whole alike.
+  void judge_balance(const VectorXd& nodal, const VectorXd& of_preload, double largest,
+                     StaticSolution& solution) const {
     constexpr double rounding = 1e-11;
     auto forces = nonzero(nodal);
+    const auto turned = nonzero(-of_preload);
+    forces.insert(forces.end(), turned.begin(), turned.end());
     forces.insert(forces.end(), solution.support_forces.begin(), solution.support_forces.end());
     if (std::ranges::all_of(forces, [&](const auto& force) { return std::abs(force.value) <= rounding * largest; }))
       return;
     Resultant sum = solution.applied;
     sum += solution.reaction_sum;
+    sum += resultant_of(model_.mesh, turned, middle());
     solution.imbalance = relative_imbalance(model_.mesh, sum, forces);
   }
 
@@ -309,9 +330,11 @@ private:
   std::vector<std::map<NodalDof, std::string>> supported_;  ///< by load case
   AssembledModel assembled_;                                ///< without supports
   SparseMatrix stiffness_;
-  std::vector<VectorXd> nodal_;                       ///< forces, by load case
-  std::vector<std::vector<Prescribed>> prescribed_;   ///< the same
-  std::map<std::vector<Index>, HeldStiffness> held_;  ///< by the places of what is prescribed
+  std::vector<VectorXd> nodal_;                                               ///< forces, by load case
+  std::vector<std::string> preloads_;                                         ///< names, by load case; empty: none
+  std::map<std::string, Carried> carried_;                                    ///< by these names
+  std::vector<std::vector<Prescribed>> prescribed_;                           ///< by load case
+  std::map<std::pair<std::string, std::vector<Index>>, HeldStiffness> held_;  ///< by preload and places prescribed
 };
 
 StaticAnalysis::StaticAnalysis(const FiniteElementModel& model, std::vector<LoadCase> cases)
@@ -321,6 +344,9 @@ StaticAnalysis::~StaticAnalysis() = default;
 const FiniteElementModel& StaticAnalysis::model() const { return solver_->model(); }
 const std::vector<LoadCase>& StaticAnalysis::cases() const { return solver_->cases(); }
 StaticSolution StaticAnalysis::solve(std::size_t load_case) const { return solver_->solve(load_case); }
+std::vector<std::string> StaticAnalysis::ignored_springs(std::size_t load_case) const {
+  return solver_->ignored_springs(load_case);
+}
 
 StaticSolution solve_statics(const FiniteElementModel& model, const LoadCase& load_case) {
   return StaticAnalysis(model, {load_case}).solve(0);

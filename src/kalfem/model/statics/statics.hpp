@@ -18,6 +18,7 @@ struct Reaction {
 /// Equilibrium of a model under one load case.
 struct StaticSolution {
   std::string load_case;
+  std::string preload;                   ///< the load case whose stresses are in the stiffness; empty: none
   Eigen::VectorXd displacements;         ///< and rotations of all nodes, 6 to a node [m, rad]
   std::vector<DofForce> support_forces;  ///< at held degrees of freedom and those of grounds [N, N m]
   std::vector<Reaction> reactions;
@@ -32,13 +33,15 @@ struct StaticSolution {
 /// hold, and those with an imposed motion, are prescribed (p), all others free (f):
 ///     K_ff u_f = f_f - K_fp u_p,   reactions r = K_pf u_f + K_pp u_p - f_p,
 /// so a reaction is exact also where links end at a support. The solution is refined twice with its own residual. The
-/// weight of a mass M in the field g is M R g with the rigid translations R. Load cases that prescribe the same degrees
-/// of freedom share one factor.
+/// weight of a mass M in the field g is M R g with the rigid translations R. A load case with a preload is solved with
+/// K + K_g, see preload_of(). Load cases that prescribe the same degrees of freedom under the same preload, by its
+/// name, share one factor.
 class StaticAnalysis {
 public:
   /// Checks and factors everything. The model must outlive the analysis. Throws InvalidInput with everything that is
   /// wrong: a load or imposed motion that nothing takes, an imposed motion where a support holds the same degree of
-  /// freedom, two imposed motions at one; a model that its supports leave free to move, naming the motion.
+  /// freedom, two imposed motions at one; a model that its supports leave free to move, naming the motion; a preload
+  /// beyond the buckling load.
   StaticAnalysis(const FiniteElementModel& model, std::vector<LoadCase> cases);
   ~StaticAnalysis();
 
@@ -46,6 +49,8 @@ public:
   [[nodiscard]] const std::vector<LoadCase>& cases() const;
   /// One thread at a time.
   [[nodiscard]] StaticSolution solve(std::size_t load_case) const;
+  /// Springs whose force the preload of a load case leaves out, see Preload.
+  [[nodiscard]] std::vector<std::string> ignored_springs(std::size_t load_case) const;
 
 private:
   class Solver;

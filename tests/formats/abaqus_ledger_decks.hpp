@@ -1,0 +1,182 @@
+#pragma once
+
+#include <vector>
+
+#include "formats/abaqus_ledger_solid_deck.hpp"
+
+// Decks of Abaqus and CalculiX that between them hold every keyword that is read, for the walks over their fields.
+
+namespace kalfem {
+
+/// Beams, shells, solids, trusses, springs and masses with everything that joins, holds and loads them.
+inline const std::vector<std::string> ledger_decks = {
+    R"(*NODE, NSET=ALL
+1, 0., 0., 0.
+2, 1., 0., 0.1
+3, 2., 0.2, 0.
+4, 3., 0., 0.
+*ELEMENT, TYPE=B31, ELSET=RECTS
+1, 1, 2
+*ELEMENT, TYPE=B31, ELSET=GENERALS
+2, 2, 3
+*ELEMENT, TYPE=B31, ELSET=BOXES
+3, 3, 4
+*BEAM SECTION, ELSET=RECTS, MATERIAL=M, SECTION=RECT
+0.02, 0.01
+0., 0.3, 1.
+*BEAM GENERAL SECTION, ELSET=GENERALS, SECTION=GENERAL, DENSITY=7800.
+1e-3, 1e-7, 1e-9, 2e-7, 3e-7
+0.1, 0.3, 1.
+2e11, 8e10
+*CENTROID
+0.01, 0.002
+*SHEAR CENTER
+0.003, 0.001
+*BEAM SECTION, ELSET=BOXES, MATERIAL=M, SECTION=BOX
+0.2, 0.1, 0.01, 0.02, 0.015, 0.012
+0.1, 0.3, 1.
+*RELEASE
+2, S2, M1
+*MATERIAL, NAME=M
+*ELASTIC
+2.1e11, 0.3
+*DENSITY
+7850.
+*BOUNDARY
+1, 1, 6
+)",
+    R"(*NODE, NSET=ALL
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 1., 1., 0.
+4, 0., 1., 0.
+5, 2., 0., 0.
+6, 2., 1., 0.1
+7, 3., 0., 0.
+8, 3., 1., 0.
+9, 4., 0., 0.
+10, 4., 1., 0.
+*ELEMENT, TYPE=S4, ELSET=PLAIN
+1, 1, 2, 3, 4
+*ELEMENT, TYPE=S4, ELSET=LAYERS
+2, 2, 5, 6, 3
+*ELEMENT, TYPE=S4, ELSET=DIRECT
+3, 5, 7, 8, 6
+*ELEMENT, TYPE=M3D4, ELSET=MEMBRANE
+4, 7, 9, 10, 8
+*ORIENTATION, NAME=O
+1., 0.2, 0.1, 0., 1., 0.3
+3, 20.
+*SHELL SECTION, ELSET=PLAIN, MATERIAL=M, OFFSET=0.2, DENSITY=2.
+0.01, 5
+*TRANSVERSE SHEAR STIFFNESS
+1e6, 2e6, 1e5
+*SHELL SECTION, ELSET=LAYERS, COMPOSITE, ORIENTATION=O, OFFSET=SPOS, SYMMETRIC
+0.001, 3, LAMINA, 30.
+0.002, 3, LAMINA, -40.
+*SHELL GENERAL SECTION, ELSET=DIRECT, DENSITY=20.
+1e8, 3e7, 1.2e8, 1e5, 2e5, 4e7, 1e2, 1e3
+1e2, 900., 1e2, 1e2, 1e2, 300., 1000., 1e2
+1e2, 1e2, 20., 30., 400.
+*MEMBRANE SECTION, ELSET=MEMBRANE, MATERIAL=LAMINA
+0.003
+*NONSTRUCTURAL MASS, ELSET=PLAIN, UNITS=MASS PER AREA
+3.
+*MATERIAL, NAME=M
+*ELASTIC
+2.1e11, 0.3
+*DENSITY
+7850.
+*MATERIAL, NAME=LAMINA
+*ELASTIC, TYPE=LAMINA
+1.4e11, 1.e10, 0.3, 5.e9, 4.e9, 3.e9
+*DENSITY
+1600.
+*BOUNDARY
+1, ENCASTRE
+4, 1, 6
+ALL, 6, 6
+*STEP
+*STATIC
+*DLOAD
+PLAIN, P, 3.
+*CLOAD
+10, 3, 2.
+*END STEP
+)",
+    ledger_solid_deck,
+    R"(*NODE, NSET=ALL
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 2., 0., 0.
+4, 0.2, 1., 0.
+5, 1.1, 1., 0.
+6, 2.1, 1., 0.3
+7, 5., 5., 5.
+8, 1., 2., 0.
+*NSET, NSET=BODY
+4, 5
+*ELEMENT, TYPE=T3D2, ELSET=E
+1, 1, 2
+2, 2, 3
+3, 4, 5
+4, 5, 6
+5, 6, 3
+*SOLID SECTION, ELSET=E, MATERIAL=M
+1.E-5
+*MATERIAL, NAME=M
+*ELASTIC
+2.E11, 0.3
+*DENSITY
+7800.
+*RIGID BODY, NSET=BODY, REF NODE=8
+*ELEMENT, TYPE=DCOUP3D, ELSET=D
+9, 7
+*ELEMENT, TYPE=MASS, ELSET=POINTS
+51, 7
+52, 8
+*MASS, ELSET=POINTS, TYPE=ANISOTROPIC, ORIENTATION=O
+3., 4., 5.
+*ORIENTATION, NAME=O, DEFINITION=NODES
+5, 4, 1
+*DISTRIBUTING COUPLING, ELSET=D
+2, 1.
+3, 2.
+*AMPLITUDE, NAME=A, TIME=TOTAL TIME
+0., 0., 2., 0.7
+*BOUNDARY
+1, 1, 3
+2, 2, 3
+*STEP
+*STATIC
+0.5, 1.5
+*CLOAD, AMPLITUDE=A
+3, 1, 1000.
+*END STEP
+)",
+    R"(*NODE
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 1., 1., 0.
+4, 0., 1., 0.
+5, 2., 0., 0.
+6, 2., 1., 0.
+*ELEMENT, TYPE=S4, ELSET=E
+1, 1, 2, 3, 4
+2, 2, 5, 6, 3
+*SHELL SECTION, ELSET=E, MATERIAL=M, NODAL THICKNESS
+0.01
+*NODAL THICKNESS
+1, 0.02
+*MATERIAL, NAME=M
+*ELASTIC
+2.1e11, 0.3
+*DENSITY
+7850.
+*STEP
+*FREQUENCY, SOLVER=SPOOLES
+5, 1., 1000.
+*END STEP
+)"};
+
+}  // namespace kalfem
