@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Triangles, and triangles beside quadrilaterals, on curved surfaces: pulled along their generators by nodal forces,
 // and free to bend without stretching.
 #include <gtest/gtest.h>

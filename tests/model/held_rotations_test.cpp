@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Supports that hold the rotations about the normal of shells: everywhere, as decks do that stem from programs in which
 // nothing stiffens them, and along clamped edges.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Motions that links make dependent, chosen as coordinates: the same structure in other coordinates.
 #include <gtest/gtest.h>
 

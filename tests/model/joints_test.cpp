@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Springs along any deformation, matrices as they are, and nodes that follow the mean motion of others.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Load vectors by element: nodal forces, forces of an edge, pressure, gravity and rotation of every shell and solid,
 // against states of stress that the elements hold exactly.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every kind of element as a bar that lies askew in space, under every load that it takes: what its supports carry is
 // the resultant and moment of the load on the body, and its end moves as the closed form says.
 #include <gtest/gtest.h>
@@ -73,13 +74,14 @@ void clamp_foot(Bar& bar) { bar.model.fixed.push_back({.name = "foot", .nodes = 
 
 // Bars of lines -------------------------------------------------------------------------------------------------------
 
-/// The line stands `offset` off the nodes, in the bar's axes.
+/// The line stands `offset` off the nodes, in the bar's axes, and the centroid, which is the bar's, off the line.
 Bar line_bar(const std::string& name, BeamProperty property, int count, const Vector3d& offset = Vector3d::Zero()) {
-  const Vector3d arm = bar_axes() * offset;
+  const Vector3d arm =
+      bar_axes() * (offset + Vector3d(0.0, property.section.centroid.x(), property.section.centroid.y()));
   property.material = "steel";
   for (auto& placement : property.placements) {
     placement.up = bar_axes().col(2);
-    placement.offsets.colwise() = arm;
+    placement.offsets.colwise() = Vector3d(bar_axes() * offset);
   }
   FiniteElementModel model = model_of(line_mesh(placed({0, 0, 0}) - arm, placed({length, 0, 0}) - arm, count));
   model.materials["steel"] = material;
@@ -94,8 +96,13 @@ Bar line_bar(const std::string& name, BeamProperty property, int count, const Ve
 
 BeamProperty bar_property() { return beam_property(rectangular_section(width, height, 0.0)); }
 
-BeamProperty of_equal_stations() {
+BeamProperty eccentric() {
   auto property = bar_property();
+  property.section.centroid = {0.04, -0.03};
+  return property;
+}
+
+BeamProperty of_equal_stations(BeamProperty property = bar_property()) {
   property.stations = {{0.0, property.section}, {1.0, property.section}};
   return property;
 }
@@ -133,6 +140,8 @@ std::vector<Bar> line_bars() {
                            line_bar("beam_offset", bar_property(), 1, offset),
                            line_bar("beam_tapered", of_equal_stations(), 1),
                            line_bar("beam_tapered_offset", of_equal_stations(), 2, offset),
+                           line_bar("beam_eccentric", eccentric(), 1, offset),
+                           line_bar("beam_tapered_eccentric", of_equal_stations(eccentric()), 1, offset),
                            rod()};
   bars.push_back(lumped(line_bar("beams", bar_property(), 4)));
   bars.push_back(lumped(line_bar("beams_tapered", of_equal_stations(), 4)));

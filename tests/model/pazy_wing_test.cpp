@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The Technion Pazy wing without skin: an industrial Nastran deck of shells, eccentric shear-flexible beams, rigid
 // links and a point mass, against the modes and the weight that MSC Nastran printed for it [RC23].
 #include <gtest/gtest.h>

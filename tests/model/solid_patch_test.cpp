@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The patch of seven hexahedra of MacNeal and Harder [MH85], a unit cube about one of no parallel sides, E = 1e6 and
 // nu = 0.25, with its outer corners moved by 1e-3 [2x + y + z, x + 2y + z, x + y + 2z] / 2: 2000 in x, y and z and 400
 // in shear everywhere. At corners of it the Jacobian is not positive; at the integration points it is.

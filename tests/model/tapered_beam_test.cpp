@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Beams whose section changes along the line, against beam(), closed forms and chains of many prismatic ones.
 #include "kalfem/model/elements/tapered_beam.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/formats/held_turns.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -108,6 +109,24 @@ void add_constraints(FiniteElementModel& model, const KeptTurns& kept) {
   }
 }
 
+/// The shells' own node moves with the given one but for the turn about the normal n: u' = u, and
+/// theta'_i - theta_i = (n_i / n_p) (theta'_p - theta_p) with the largest component p of n.
+void tie(FiniteElementModel& model, Index node, Index own, const Vector3d& normal) {
+  int largest = 0;
+  normal.cwiseAbs().maxCoeff(&largest);
+  const auto name = "drilling.n" + std::to_string(model.mesh.node_ids[static_cast<std::size_t>(node)]);
+  for (int i = 0; i < 6; ++i) {
+    if (i == 3 + largest) continue;
+    MultiPointConstraint constraint{name + "." + std::to_string(i + 1), {{{own, i}, 1.0}, {{node, i}, -1.0}}};
+    const double share = i < 3 ? 0.0 : normal[i - 3] / normal[largest];
+    if (std::abs(share) > 1e-9) {
+      constraint.terms.push_back({{own, 3 + largest}, -share});
+      constraint.terms.push_back({{node, 3 + largest}, share});
+    }
+    model.constraints.push_back(std::move(constraint));
+  }
+}
+
 }  // namespace
 
 std::size_t release_turns_about_normal(FiniteElementModel& model, const std::vector<NodalSurface>& surfaces,
@@ -118,6 +137,46 @@ std::size_t release_turns_about_normal(FiniteElementModel& model, const std::vec
   remove_constraints(model, kept);
   add_constraints(model, kept);
   return kept.size();
+}
+
+std::vector<Index> separate_shells(FiniteElementModel& model, const std::vector<NodalSurface>& surfaces,
+                                   const std::vector<bool>& wanted) {
+  auto& mesh = model.mesh;
+  std::vector<Index> own(wanted.size(), -1);
+  std::vector<Vector3d> places;
+  const std::int64_t largest =
+      mesh.node_ids.empty() ? 0 : *std::max_element(mesh.node_ids.begin(), mesh.node_ids.end());
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    if (!wanted[i] || !surfaces[i].is_surface()) continue;
+    const auto node = static_cast<Index>(i);
+    own[i] = mesh.node_count() + static_cast<Index>(places.size());
+    places.emplace_back(mesh.nodes.col(node));
+    mesh.node_ids.push_back(largest + static_cast<std::int64_t>(places.size()));
+    tie(model, node, own[i], surfaces[i].normal.normalized());
+  }
+  if (places.empty()) return own;
+  const auto count = static_cast<Index>(places.size());
+  mesh.nodes.conservativeResize(3, mesh.nodes.cols() + count);
+  mesh.nodes.rightCols(count) = Eigen::Map<const Eigen::Matrix3Xd>(places.front().data(), 3, count);
+  for_each_shell(model, [&](const Cell& cell, const Vector3d&, double) {
+    for (int i = 0; i < node_count(cell.shape); ++i) {
+      auto& node = mesh.connectivity[static_cast<std::size_t>(cell.first + i)];
+      if (node < static_cast<Index>(own.size()) && own[static_cast<std::size_t>(node)] >= 0)
+        node = own[static_cast<std::size_t>(node)];
+    }
+  });
+  return own;
+}
+
+DofSum turn_between(Index node, Index own, const NodalSurface& surface) {
+  const Vector3d normal = surface.normal.normalized();
+  DofSum turn;
+  for (int k = 0; k < 3; ++k)
+    if (std::abs(normal[k]) > 1e-9) {
+      turn.push_back({{own, 3 + k}, normal[k]});
+      turn.push_back({{node, 3 + k}, -normal[k]});
+    }
+  return turn;
 }
 
 }  // namespace kalfem

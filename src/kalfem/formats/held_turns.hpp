@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "kalfem/formats/shell_surfaces.hpp"
@@ -12,5 +13,13 @@ namespace kalfem {
 /// what is left of V if the turn about n is free. Returns the number of nodes.
 std::size_t release_turns_about_normal(FiniteElementModel& model, const std::vector<NodalSurface>& surfaces,
                                        const std::vector<bool>& turned);
+
+/// Gives the shells nodes of their own where they are smooth surfaces at `wanted` nodes. These are at the same places
+/// and follow in all but the turn about the normal. Returns them by node, -1 where there is none.
+std::vector<Eigen::Index> separate_shells(FiniteElementModel& model, const std::vector<NodalSurface>& surfaces,
+                                          const std::vector<bool>& wanted);
+
+/// n^T (theta' - theta) of the shells' own node against the given one.
+DofSum turn_between(Eigen::Index node, Eigen::Index own, const NodalSurface& surface);
 
 }  // namespace kalfem

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/formats/abaqus.hpp"
 
 #include <algorithm>
@@ -46,29 +47,66 @@ void replace_quadratic_cells(PlacedDeck& deck, FiniteElementModel& model) {
   if (any) replace_quadratic(model);
 }
 
-/// Of the supports of load cases, and of the preloads that they are solved with, those along the normal alone.
-void release_in_load_case(FiniteElementModel& model, const std::vector<NodalSurface>& surfaces,
-                          const std::vector<bool>& turned, LoadCase& load_case) {
-  for (auto& carried : load_case.preload) release_in_load_case(model, surfaces, turned, carried);
+/// Nodes whose turn about the normal supports hold through local nodes, which load cases move, are `separate`.
+void find_held_through_local_nodes(const PlacedDeck& deck, const std::vector<FixedNodes>& supports,
+                                   const std::vector<NodalSurface>& surfaces, std::vector<bool>& separate) {
+  std::map<Eigen::Index, std::set<int>> held;
+  for (const auto& support : supports)
+    for (const auto node : support.nodes)
+      for (int d = 0; d < 6; ++d)
+        if (support.directions[static_cast<std::size_t>(d)]) held[node].insert(d);
+  for (const auto& [node, local] : deck.local_nodes) {
+    const auto& surface = surfaces[static_cast<std::size_t>(node)];
+    if (!surface.is_surface() || !held.contains(local)) continue;
+    const Eigen::Vector3d normal = surface.normal.normalized();
+    bool turns = false, in_plane = false;
+    for (const int d : held.at(local)) {
+      const double along = std::abs(deck.mesh.axes.at(local).col(d % 3).dot(normal));
+      (d < 3 ? in_plane : turns) |= d < 3 ? along < 1.0 - 1e-6 : along > 1e-6;
+    }
+    if (turns && !in_plane) separate[static_cast<std::size_t>(node)] = true;
+  }
+}
+
+/// Of the supports of a load case, and of the preloads that it is solved with: releases those along the normal; nodes
+/// that are held along other axes are `separate`.
+void release_in_load_case(const PlacedDeck& deck, FiniteElementModel& model, const std::vector<NodalSurface>& surfaces,
+                          const std::vector<bool>& turned, LoadCase& load_case, std::vector<bool>& separate) {
+  for (auto& carried : load_case.preload) release_in_load_case(deck, model, surfaces, turned, carried, separate);
   if (!load_case.supports) return;
+  find_held_through_local_nodes(deck, *load_case.supports, surfaces, separate);
   std::swap(model.fixed, *load_case.supports);
-  auto held = held_drilling(model, surfaces);
-  std::erase_if(held, [&](const NodalDof& dof) {
-    return turned[static_cast<std::size_t>(dof.node)] || !is_along_normal(surfaces, dof);
-  });
-  release(model, held);
+  std::vector<NodalDof> along;
+  for (const auto& dof : held_drilling(model, surfaces))
+    if (const auto node = static_cast<std::size_t>(dof.node); !turned[node] && is_along_normal(surfaces, dof))
+      along.push_back(dof);
+    else
+      separate[node] = true;
+  release(model, along);
   std::swap(model.fixed, *load_case.supports);
 }
 
 /// Abaqus and CalculiX give shells next to no stiffness against turns about their normal, so that decks may hold these
-/// turns everywhere. Here they follow the turn of the surface, and to hold them would hold the surface itself.
+/// turns everywhere. Here they follow the turn of the surface, and to hold them would hold the surface itself. Where
+/// single load cases hold them along oblique axes, the shells get nodes of their own, with next to no stiffness between
+/// both turns: that of Nastran's K6ROT = 100.
 void release_held_rotations(PlacedDeck& deck, Deck& result) {
   FiniteElementModel& model = result.model;
   const auto surfaces = nodal_surfaces(model);
   const auto turned = turned_by_others(model);
-  const std::size_t count = release_turns_about_normal(model, surfaces, turned);
-  for (auto& load_case : result.load_cases) release_in_load_case(model, surfaces, turned, load_case);
-  if (result.preload) release_in_load_case(model, surfaces, turned, *result.preload);
+  std::vector<bool> separate(surfaces.size(), false);
+  std::size_t count = release_turns_about_normal(model, surfaces, turned);
+  find_held_through_local_nodes(deck, model.fixed, surfaces, separate);
+  for (auto& load_case : result.load_cases) release_in_load_case(deck, model, surfaces, turned, load_case, separate);
+  if (result.preload) release_in_load_case(deck, model, surfaces, turned, *result.preload, separate);
+  const auto own = separate_shells(model, surfaces, separate);
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    if (own[i] < 0) continue;
+    ++count;
+    model.joints.push_back({.name = "drilling",
+                            .deformation = turn_between(static_cast<Eigen::Index>(i), own[i], surfaces[i]),
+                            .stiffness = 1e-4 * surfaces[i].shear_stiffness});
+  }
   if (count == 0) return;
   deck.notes.add({}, "fixed rotations of shells about their normal",
                  "at " + std::to_string(count) + " nodes these rotations are left free, as in Abaqus and CalculiX",
@@ -121,8 +159,8 @@ void build_model(const RawDeck& raw, bool with_ledger, DeckNotes& notes, Problem
   note_steps(raw, notes, problems);
   problems.raise();
   replace_quadratic_cells(deck, model);
-  release_held_rotations(deck, result);
   apply_nodal_thickness(deck, model);
+  release_held_rotations(deck, result);
   problems.raise();
   Ledger ledger;
   settle_ledger(raw, notes, problems, with_ledger ? &ledger : nullptr);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -173,24 +174,6 @@ void apply_autospc(Building& building, const OtherSupports& others) {
 
 namespace {
 
-/// The shells' own node moves with the given one but for the turn about the normal n: u' = u, and
-/// theta'_i - theta_i = (n_i / n_p) (theta'_p - theta_p) with the largest component p of n.
-void tie(FiniteElementModel& model, Eigen::Index node, Eigen::Index own, const Eigen::Vector3d& normal) {
-  int largest = 0;
-  normal.cwiseAbs().maxCoeff(&largest);
-  const auto name = "drilling.n" + std::to_string(model.mesh.node_ids[static_cast<std::size_t>(node)]);
-  for (int i = 0; i < 6; ++i) {
-    if (i == 3 + largest) continue;
-    MultiPointConstraint constraint{name + "." + std::to_string(i + 1), {{{own, i}, 1.0}, {{node, i}, -1.0}}};
-    const double share = i < 3 ? 0.0 : normal[i - 3] / normal[largest];
-    if (std::abs(share) > 1e-9) {
-      constraint.terms.push_back({{own, 3 + largest}, -share});
-      constraint.terms.push_back({{node, 3 + largest}, share});
-    }
-    model.constraints.push_back(std::move(constraint));
-  }
-}
-
 /// Rotations about the normal that another subcase holds: released where the held direction is the normal, otherwise
 /// left to the shells' own nodes. Returns how many.
 std::size_t release_held(FiniteElementModel& model, const std::vector<NodalSurface>& surfaces,
@@ -235,44 +218,20 @@ void apply_k6rot(Building& building, const OtherSupports& others) {
                   "Nastran shells have almost no stiffness there: at " + std::to_string(released) +
                       " nodes these rotations are left free, as in Nastran",
                   DeckNoteKind::unused);
-  std::vector<Eigen::Index> own(turned.size(), -1);
-  std::vector<Eigen::Vector3d> places;
-  auto& mesh = model.mesh;
-  const std::int64_t largest =
-      mesh.node_ids.empty() ? 0 : *std::max_element(mesh.node_ids.begin(), mesh.node_ids.end());
+  const auto own = separate_shells(model, surfaces, turned);
   MatrixGather springs;
-  for (std::size_t i = 0; i < turned.size(); ++i) {
-    const auto& surface = surfaces[i];
-    if (!turned[i] || !surface.is_surface()) continue;
-    const auto node = static_cast<Eigen::Index>(i);
-    own[i] = static_cast<Eigen::Index>(turned.size() + places.size());
-    places.emplace_back(mesh.nodes.col(node));
-    mesh.node_ids.push_back(largest + static_cast<std::int64_t>(places.size()));
-    const Eigen::Vector3d normal = surface.normal.normalized();
-    tie(model, node, own[i], normal);
-    DofSum turn;
-    for (int k = 0; k < 3; ++k)
-      if (std::abs(normal[k]) > 1e-9) {
-        turn.push_back({{own[i], 3 + k}, normal[k]});
-        turn.push_back({{node, 3 + k}, -normal[k]});
-      }
-    springs.add(MatrixGather::stiffness, turn, turn, 1e-6 * building.bulk.drilling * surface.shear_stiffness);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    if (own[i] < 0) continue;
+    const DofSum turn = turn_between(static_cast<Eigen::Index>(i), own[i], surfaces[i]);
+    springs.add(MatrixGather::stiffness, turn, turn, 1e-6 * building.bulk.drilling * surfaces[i].shear_stiffness);
+    ++count;
   }
-  if (places.empty()) return;
+  if (count == 0) return;
   building.note({}, "rotations of shells about their normal (K6ROT)",
-                "where shells meet beams, springs or links, " + std::to_string(places.size()) +
+                "where shells meet beams, springs or links, " + std::to_string(count) +
                     " separate nodes leave these rotations nearly free, as in Nastran",
                 DeckNoteKind::unused);
-  mesh.nodes.conservativeResize(3, mesh.nodes.cols() + static_cast<Eigen::Index>(places.size()));
-  mesh.nodes.rightCols(static_cast<Eigen::Index>(places.size())) =
-      Eigen::Map<const Eigen::Matrix3Xd>(places.front().data(), 3, static_cast<Eigen::Index>(places.size()));
-  for_each_shell(model, [&](const Cell& cell, const Eigen::Vector3d&, double) {
-    for (int i = 0; i < node_count(cell.shape); ++i) {
-      auto& node = mesh.connectivity[static_cast<std::size_t>(cell.first + i)];
-      if (node < static_cast<Eigen::Index>(own.size()) && own[static_cast<std::size_t>(node)] >= 0)
-        node = own[static_cast<std::size_t>(node)];
-    }
-  });
   if (building.bulk.drilling > 0.0) model.matrices.push_back(springs.finish("drilling"));
 }
 

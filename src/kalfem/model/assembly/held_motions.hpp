@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <Eigen/Core>
@@ -13,6 +14,7 @@ class HeldMotions {
 public:
   explicit HeldMotions(const FiniteElementModel& model);
 
+  [[nodiscard]] bool empty() const { return held_.empty(); }
   /// Projection onto the held translations of a node, 0 where nothing holds it.
   [[nodiscard]] Eigen::Matrix3d translations(Eigen::Index node) const { return span(node, 0); }
   /// The same of its rotations.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/model/assembly/shell_edges.hpp"
 
 #include <Eigen/Geometry>
@@ -8,6 +9,7 @@
 #include <optional>
 #include <set>
 
+#include "kalfem/model/assembly/held_motions.hpp"
 #include "kalfem/model/elements/shell.hpp"
 
 namespace kalfem {
@@ -68,76 +70,35 @@ Vector3d outward(const Mesh& mesh, const Facet& facet, std::size_t side) {
   return along.cross(facet.normal);
 }
 
-/// Directions in which supports, and constraints of one node alone, hold nodes.
-class HeldNodes {
-public:
-  explicit HeldNodes(const FiniteElementModel& model) {
-    for (const auto& support : model.fixed)
-      for (const auto node : support.nodes)
-        for (int i = 0; i < 6; ++i)
-          if (support.directions[static_cast<std::size_t>(i)]) add(node, i / 3, Vector3d::Unit(i % 3));
-    for (const auto& constraint : model.constraints) add(constraint);
-  }
-  [[nodiscard]] bool empty() const { return held_.empty(); }
+/// Whether the axes of held rotations span the normal.
+bool holds_turn(const HeldMotions& held, Index node, const Vector3d& normal) {
+  return (held.rotations(node) * normal - normal).norm() < 1e-6;
+}
 
-  /// Whether the axes of held rotations span the normal.
-  [[nodiscard]] bool holds_turn(Index node, const Vector3d& normal) const {
-    const auto own = held_.find(node);
-    return own != held_.end() && (own->second[1] * normal - normal).norm() < 1e-6;
-  }
+/// Whether the one axis of rotations that is left free, if any, leans less than 30 degrees out of the surface.
+bool nearly_holds_turn(const HeldMotions& held, Index node, const Vector3d& normal) {
+  return (held.rotations(node) * normal - normal).norm() < 0.5;
+}
 
-  /// Whether the one axis of rotations that is left free, if any, leans less than 30 degrees out of the surface.
-  [[nodiscard]] bool nearly_holds_turn(Index node, const Vector3d& normal) const {
-    const auto own = held_.find(node);
-    return own != held_.end() && (own->second[1] * normal - normal).norm() < 0.5;
-  }
+/// Whether a held translation has a part along the surface.
+bool holds_in_plane(const HeldMotions& held, Index node, const Vector3d& normal) {
+  const Eigen::Matrix3d translations = held.translations(node);
+  return (translations - normal * (normal.transpose() * translations)).norm() > 1e-6;
+}
 
-  /// Whether a held translation has a part along the surface.
-  [[nodiscard]] bool holds_in_plane(Index node, const Vector3d& normal) const {
-    const auto own = held_.find(node);
-    if (own == held_.end()) return false;
-    const Matrix3d& held = own->second[0];
-    return (held - normal * (normal.transpose() * held)).norm() > 1e-6;
-  }
-
-private:
-  using Matrix3d = Eigen::Matrix3d;
-
-  void add(const MultiPointConstraint& constraint) {
-    if (constraint.terms.empty()) return;
-    const auto [node, direction] = constraint.terms.front().first;
-    Vector3d along = Vector3d::Zero();
-    for (const auto& [dof, coefficient] : constraint.terms) {
-      if (dof.node != node || dof.direction / 3 != direction / 3) return;
-      along[dof.direction % 3] += coefficient;
-    }
-    add(node, direction / 3, along);
-  }
-
-  /// Adds a direction to the span of those that are held, of which the projection onto it is kept.
-  void add(Index node, int block, const Vector3d& direction) {
-    auto& span = held_.try_emplace(node, std::array{Matrix3d(Matrix3d::Zero()), Matrix3d(Matrix3d::Zero())})
-                     .first->second[static_cast<std::size_t>(block)];
-    const Vector3d rest = direction - span * direction;
-    if (rest.norm() > 1e-9 * direction.norm()) span += rest.normalized() * rest.normalized().transpose();
-  }
-
-  std::unordered_map<Index, std::array<Matrix3d, 2>> held_;  ///< of translations and rotations
-};
-
-void find_following(const HeldNodes& held, std::vector<Facet>& facets) {
+void find_following(const HeldMotions& held, std::vector<Facet>& facets) {
   if (held.empty()) return;
   std::set<Index> follow;
   for (const auto& facet : facets) {
     const bool turns =
-        std::ranges::all_of(facet.nodes, [&](Index node) { return held.holds_turn(node, facet.normal); });
+        std::ranges::all_of(facet.nodes, [&](Index node) { return holds_turn(held, node, facet.normal); });
     const bool moves =
-        std::ranges::any_of(facet.nodes, [&](Index node) { return !held.holds_in_plane(node, facet.normal); });
+        std::ranges::any_of(facet.nodes, [&](Index node) { return !holds_in_plane(held, node, facet.normal); });
     if (turns && moves) follow.insert(facet.nodes.begin(), facet.nodes.end());
   }
   for (auto& facet : facets)
     for (std::size_t i = 0; !follow.empty() && i < facet.count(); ++i)
-      facet.following[i] = follow.contains(facet.nodes[i]) && held.holds_turn(facet.nodes[i], facet.normal);
+      facet.following[i] = follow.contains(facet.nodes[i]) && holds_turn(held, facet.nodes[i], facet.normal);
 }
 
 /// Joined facets are one surface: a forest of facets, of which each root stands for a surface.
@@ -227,7 +188,7 @@ using NodeOfSurface = std::pair<std::size_t, Index>;
 /// The sides of edges, each with its facet, and m_i of the edges' nodes.
 class Edges {
 public:
-  Edges(const Mesh& mesh, const HeldNodes& held, std::vector<Facet>& facets, Surfaces& surfaces,
+  Edges(const Mesh& mesh, const HeldMotions& held, std::vector<Facet>& facets, Surfaces& surfaces,
         const std::vector<bool>& flat)
       : mesh_(mesh), held_(held), facets_(facets), surfaces_(surfaces), flat_(flat) {
     for (std::size_t f = 0; f < facets.size(); ++f)
@@ -251,7 +212,7 @@ private:
     Facet& facet = facets_[f];
     const std::size_t surface = surfaces_.root(f);
     const Index from = facet.nodes[side], to = facet.end(side);
-    if (held_.nearly_holds_turn(from, facet.normal) && held_.nearly_holds_turn(to, facet.normal)) return;
+    if (nearly_holds_turn(held_, from, facet.normal) && nearly_holds_turn(held_, to, facet.normal)) return;
     const Vector3d across = outward(mesh_, facet, side), n = across.normalized();
     const auto in_plane = [&](Index node) -> Vector3d {
       const Vector3d& m = normals_.at({surface, node});
@@ -270,7 +231,7 @@ private:
   }
 
   const Mesh& mesh_;
-  const HeldNodes& held_;
+  const HeldMotions& held_;
   std::vector<Facet>& facets_;
   Surfaces& surfaces_;
   const std::vector<bool>& flat_;
@@ -294,7 +255,7 @@ void append_shares(int corner, const BulgePart& part, std::vector<EdgeShare>& sh
 // In this order: which corners follow, which sides meet others of their surface, then the edges that are left.
 ShellEdges::ShellEdges(const FiniteElementModel& model) {
   auto facets = facets_of(model);
-  const HeldNodes held(model);
+  const HeldMotions held(model);
   find_following(held, facets);
   const bool has_triangles = std::ranges::any_of(facets, &Facet::is_triangle);
   const bool any_follows = std::ranges::any_of(facets, [](const Facet& facet) {
