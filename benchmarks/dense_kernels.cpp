@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "dense_kernels.hpp"
 
 #include "blas_copy.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Time of one filter step (predict + update) beside the bare dense kernels of its size and beside a pass through half
 // of a covariance, interleaved in one run.
 //     filter_benchmark [--json=FILE] [Google Benchmark's own flags]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Cost of a law that is written as an expression, as a ratio to the compiled law of the same form: force, tangents and
 // states at the sigma points of a filter, medians of alternating repetitions in one run.
 #include <cstdio>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Cost of a record's marginal likelihood by the filter, as ratios within one run (medians of alternating repetitions):
 //   one likelihood, its model made at new values and the record walked / one filter pass, predictions and updates
 //   alone.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writes the stiffness and mass matrix of a deck in PETSc's binary form, for slepc_modes. Usage: petsc_matrices DECK
 // STEM writes STEM.K and STEM.M.
 #include <bit>

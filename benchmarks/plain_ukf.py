@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """An unscented Kalman filter as it is commonly written in Python: NumPy, one call of the model for each sigma point.
 
 It estimates what kalfem does on the chain of examples/chain: 11 degrees of freedom, two unknown parameters, 24 states. It

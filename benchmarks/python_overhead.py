@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """What Python costs: the ratios that docs/python.md states, each taken within one run on this machine.
 
     scripts/python && PYTHONPATH=build/python /usr/bin/python3 benchmarks/python_overhead.py [quick]

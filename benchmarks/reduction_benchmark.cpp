@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Time and memory of the sparse linear algebra and of a Craig-Bampton reduction, for a model of the size and pattern of
 // a shell frame. Usage: reduction_benchmark [columns rows]; defaults give 45,540 degrees of freedom.
 #include <cstdio>

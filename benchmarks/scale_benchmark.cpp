@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How the time and memory of `modes` and of a Craig-Bampton reduction grow with a barrel of shells, each against one
 // ordering, factorisation and block solves of the same matrices, alone. Each job is a process of its own, so that its
 // peak is its own. Usage: scale_benchmark [AROUND RINGS]...; defaults give 44,220, 174,240 and 678,480 degrees of

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Lowest modes of K phi = lambda M phi by SLEPc's Krylov-Schur method, shifted and inverted by MUMPS: the yardstick of
 // `mpirun -n N kalfem modes`. Usage:
 //   petsc_matrices barrel.bdf barrel && mpirun -n 2 slepc_modes barrel.K barrel.M [MODES [SHIFT_HZ]]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Cost of updating, as ratios within one run (medians of alternating repetitions):
 //   the chain: one evaluation of the residual of its record against the simulation / one simulation of the same case;
 //   the vehicle: one iteration of the loop / (one reduction + one filter pass + one prediction, timed alone).

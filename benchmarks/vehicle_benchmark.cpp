@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Time of one full-order step of the vehicle against one back-solve with its factor, medians of alternating blocks in
 // one run, the reduction against its own factorisation and back-solves, and the augmented model against real time at
 // its sampling rate and at half of it. Usage: vehicle_benchmark CASE.yaml

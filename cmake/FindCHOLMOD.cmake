@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # CHOLMOD::CHOLMOD, the sparse Cholesky factorisation of SuiteSparse, which Debian 12 ships without a CMake package.
 find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse)
 find_library(CHOLMOD_LIBRARY cholmod)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # hdf5::hdf5, to link to: CMake's own FindHDF5 wants a project in C.
 find_library(HDF5_C_LIBRARY NAMES hdf5 hdf5_serial PATH_SUFFIXES hdf5/serial)
 include(FindPackageHandleStandardArgs)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # MUMPS::MUMPS, the parallel sparse factorisation in double precision, which Debian 12 ships without a CMake package.
 find_path(MUMPS_INCLUDE_DIR dmumps_c.h)
 find_library(MUMPS_LIBRARY dmumps)

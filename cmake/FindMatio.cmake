@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # matio::matio, to link to.
 find_path(MATIO_INCLUDE_DIR matio.h)
 find_library(MATIO_LIBRARY matio)

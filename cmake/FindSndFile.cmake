@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # SndFile::sndfile, to link to.
 find_path(SNDFILE_INCLUDE_DIR sndfile.h)
 find_library(SNDFILE_LIBRARY sndfile)

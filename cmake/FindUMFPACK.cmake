@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # UMFPACK::UMFPACK, the sparse LU factorisation of SuiteSparse, which Debian 12 ships without a CMake package.
 find_path(UMFPACK_INCLUDE_DIR umfpack.h PATH_SUFFIXES suitesparse)
 find_library(UMFPACK_LIBRARY umfpack)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Writes a digest of the text that a header includes, with what it depends on beside it.
 #   cmake -DCOMPILER=... -DINCLUDES=... -DHEADER=... -DOUTPUT=... -P HeaderDigest.cmake
 list(TRANSFORM INCLUDES PREPEND -isystem)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Install target and CMake package: find_package(kalfem COMPONENTS core formats study) gives kalfem::core,
 # kalfem::formats and kalfem::study, each with the third-party packages that it needs and no others. kalfem::kalfem is
 # all of them. `cmake --install <build> --component core` installs the core alone.

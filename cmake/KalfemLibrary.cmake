@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # One static library for each folder of src/kalfem, and the test programs. All are compiled file by file with the same
 # settings; tests are linked to the libraries as they are shipped.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Writes the ctest entries of a GoogleTest program, one a suite:
 #   cmake -DPROGRAM=<file> -DENTRIES=<file to write> -DPROPERTIES="<name> <value> ..." -P ListSuites.cmake
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed COMMAND_ERROR_IS_FATAL ANY)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # The public interface: these headers are installed and documented, and no others. Each compiles by itself against the
 # installed package (the test "package"), so that what a public header includes is in the list.
 set(KALFEM_CORE_HEADERS

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What most sources do with matrices, so that the precompiled headers hold these templates instantiated: a file that
 // does the same need not instantiate them again. Nothing here is ever called.
 #pragma once

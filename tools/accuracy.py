@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """docs/accuracy.md from docs/accuracy.md.in and docs/figures.txt.
 
     accuracy.py page              write the page

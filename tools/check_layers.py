@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Fails where a file of src/kalfem includes a folder that its own may not use.
 
 ALLOWED is the picture of docs/architecture.md as a table: a folder, and all that its files may include beside their own.

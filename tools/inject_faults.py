@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Puts one-line faults into the library, one at a time, and reports which of them the tests catch.
 
 All faults of tools/faults/*.txt are put into a copy of the project at once, each behind a switch that the environment

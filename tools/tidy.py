@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Runs clang-tidy on the sources of the libraries and the command that have changed.
 
     tools/tidy.py BUILD [--all] [--most N]

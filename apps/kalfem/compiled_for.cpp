@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Compiled with the flags of the command, it holds data and no instruction: it can be read on any processor.
 #include "processor_features.hpp"
 

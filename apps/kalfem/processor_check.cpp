@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Compiled for any processor, and free of headers with inline functions: a linker may take these from a file that was
 // compiled for another one.
 #include <string.h>

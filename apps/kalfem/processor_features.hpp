@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 /// X(macro, name): the macro that a compiler defines when it may use a feature of x86 processors, and the feature's

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Writes OUTPUT, which holds the files of the cases below FOLDER: cmake -DFOLDER=... -DOUTPUT=... -P starter_files.cmake
 file(GLOB files RELATIVE ${FOLDER} ${FOLDER}/*/*.yaml ${FOLDER}/*/*.csv ${FOLDER}/*/*.bdf)
 list(SORT files)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Estimates two parameters of a nonlinear suspension from four accelerations and the road below it.
 // Usage: estimate_chain chain.csv   (t, road, a3, a5, a7, a11 in s, m and m/s^2)
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A filter step by step, as a live system needs it: predict with the force just applied, update with the sample just
 // measured, and use the estimates at once.
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A connector law of one's own, as a function of deformation and rate, and the estimate of its parameters.
 #include <cmath>
 #include <iostream>

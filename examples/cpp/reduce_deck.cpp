@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads a deck, reduces it to two nodes by Craig and Bampton's method, and writes the superelement for other codes.
 // Usage: reduce_deck frame.bdf superelement.h5
 #include <cmath>

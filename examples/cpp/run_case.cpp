@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Runs a case file as the command does, and reads its results.
 // Usage: run_case chain.yaml results
 #include <algorithm>

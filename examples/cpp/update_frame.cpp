@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Updates Young's modulus of a frame by natural frequencies that were measured on it.
 // Usage: update_frame frame.bdf
 #include <cmath>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # The chain of examples/chain: two parameters of a nonlinear suspension from four accelerations.
 # Run it from the folder of the project.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # The chain over 100 records on a Dask cluster. Here the cluster is two processes on this machine; a scheduler that runs
 # elsewhere is Client("tcp://host:8786"). Killed and started again, the ensemble continues where it was.
 

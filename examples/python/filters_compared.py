@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Filters compared on the chain over 40 records, which differ in their noise: how far are the estimates from the truth,
 # in the standard deviations that each filter states, and what does a step cost?
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # A live loop: predict with the force just applied, update with the samples just measured, use the estimate at once.
 
 # %% Two masses on springs, and a stop that stiffens: F = k x + k3 x^3

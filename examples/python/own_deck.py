@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # A deck of your own with a measured CSV file: a steel portal frame (examples/cpp/frame.bdf) whose beam rests on a
 # rubber mount with unknown cubic stiffness. A shaker drives one corner; three accelerometers record.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Which accelerometers identify the suspension? Every pair of masses of the chain, each on the same record of motion;
 # the stated standard deviations compare the pairs. No measurement is needed for that: the design comes before the test.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Makes the records and meshes of these cases: simulated, with the faults of a real test.
 
     PYTHONPATH=build/python python3 examples/start/make_data.py

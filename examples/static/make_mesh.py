@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Writes hole.msh: a quarter of a square plate, 200 mm wide, with a hole of 20 mm in the middle.
 
 The rays of the mesh run from the hole to the sides, ever longer away from the hole. Groups: plate; left and bottom, the

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Shell mesh of a laboratory vehicle frame: a ladder of rectangular steel tubes with brackets and an upper structure.
 
     python3 make_mesh.py frame.msh              the mesh of the example, 7594 nodes

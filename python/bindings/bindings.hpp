@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // What the files of the compiled module share. Each file binds one stage of the public library.

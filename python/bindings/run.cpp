@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "calls.hpp"
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/report/run_case.hpp"

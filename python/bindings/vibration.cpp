@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "calls.hpp"
 #include "kalfem/updating/mode_pairing.hpp"
 #include "sensors.hpp"

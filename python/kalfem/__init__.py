@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Identification and updating of nonlinear finite-element models from vibration measurements.
 
 >>> import kalfem as kf

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What is done with a structure: simulate, estimate, update."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The compiled module, or one message why it cannot be used."""
 
 import numpy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What notebooks show of parameters, verdicts, runs and structures: plain HTML tables, without scripts."""
 
 import math

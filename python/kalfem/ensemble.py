@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Many runs: over threads, processes, or a cluster."""
 
 from __future__ import annotations

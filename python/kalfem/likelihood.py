@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The likelihood of a case as a function of Python, for samplers of others."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A filter that is moved by its caller, as a live system needs it."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Meshes for PyVista and VTK."""
 
 from __future__ import annotations

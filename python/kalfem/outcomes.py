@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What an ensemble gives: runs that hold their summary, failures as values, and both as a table."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a run says about parameters, and whether to trust it."""
 
 from __future__ import annotations

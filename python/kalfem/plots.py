@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Plots with Matplotlib. Each function returns its figure; `ax` draws into axes of your own where there is one."""
 
 import math

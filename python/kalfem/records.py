@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Measured files and simulated records: channels by name."""
 
 from __future__ import annotations

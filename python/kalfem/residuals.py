@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Innovations of a run: what the filter did not foresee."""
 
 from __future__ import annotations

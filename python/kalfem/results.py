@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Results of a run, from a folder or from memory.
 
 Both sources use the paths and attributes of ``results.h5``, so that ``kf.run(...)["estimate/body.3/displacement"]`` and

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A quantity over time."""
 
 from __future__ import annotations

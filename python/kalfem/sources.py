@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Where the series of a run come from: a folder of results, or memory. Both use the paths of ``results.h5``."""
 
 import json

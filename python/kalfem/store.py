@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A folder that keeps the outcomes of an ensemble, so that a killed one continues."""
 
 import hashlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Values of functions as JSON text and arrays: reading them back runs no code, unlike a pickle."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Sweeps: one case many times, its runs shared out to threads, processes or a cluster."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Results as tables of pandas and xarray."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What an ensemble computes at each point: a case with other settings, or a function of the caller."""
 
 import hashlib

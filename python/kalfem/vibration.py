@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Modes and frequency responses of a structure about rest, and the comparison of shapes."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 /// Everything of kalfem::core: describe a structure, simulate it, estimate its states and parameters from a record, or

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "chain.hpp"
 
 // A live filter whose covariance becomes indefinite by rounding in modal coordinates.

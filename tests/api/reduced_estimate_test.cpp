@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cantilever.hpp"
 
 // Estimates of finite elements that move far from the values at which the elements were reduced.

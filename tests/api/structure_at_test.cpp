@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cantilever.hpp"
 
 // Structure::at() of numbers of finite elements.

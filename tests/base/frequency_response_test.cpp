@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/records/frequency_response.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "casefile/case_mutations.hpp"
 
 #include <algorithm>

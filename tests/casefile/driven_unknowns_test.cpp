@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "casefile/damping_of_unknowns.hpp"
 
 // An unknown of the filter in the substructure that an updating compares with the record.

@@ -1,4 +1,4 @@
-
+// SPDX-License-Identifier: Apache-2.0
 
 #include "base/absent.hpp"
 #include "base/data_folder.hpp"

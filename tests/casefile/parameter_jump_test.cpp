@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "casefile/changing_chain.hpp"
 #include "kalfem/diagnosis/judge_estimation.hpp"
 #include "kalfem/diagnosis/look_for_cause.hpp"

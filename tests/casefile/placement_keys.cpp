@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "casefile/probes.hpp"
 
 /// Keys of the placement of sensors: its plan, and what they do to the choice.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "casefile/probes.hpp"
 #include "kalfem/report/result_set.hpp"
 

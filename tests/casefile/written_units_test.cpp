@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/study/written_units.hpp"
 
 #include "casefile/record_cases.hpp"

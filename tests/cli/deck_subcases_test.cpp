@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Decks by the command: the preload of their modes, subcases that differ, other analyses, and what a case takes of it.
 #include <gtest/gtest.h>
 

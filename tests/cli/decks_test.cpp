@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Models that other codes' users bring: decks, matrices, and what the command says of them.
 #include <gtest/gtest.h>
 

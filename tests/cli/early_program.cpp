@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A program that says what it has reached: initialisation before main, and main.
 #include <cstdio>
 

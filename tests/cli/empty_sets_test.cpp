@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Models without places, elements, masses, springs, sensors or samples: a clear word, and no crash.
 #include <gtest/gtest.h>
 

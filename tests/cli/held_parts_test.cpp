@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Parts of one substructure that each are held, or that a connector of the case joins; sensors at numbered nodes.
 #include <gtest/gtest.h>
 

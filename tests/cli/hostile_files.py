@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """What no regular file is, in every place where the command opens a file, and damaged files of every format: no crash, no
 hang, and never more memory than 200 MB and ten times the file.
 

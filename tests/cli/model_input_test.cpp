@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a finite-element model of a case is made of: nodes by place, boundaries on links, what a deck lacks.
 #include <gtest/gtest.h>
 

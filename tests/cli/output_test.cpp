@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The output folder, the standard streams and the disk, as a user meets them.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Cases of a page, whole or in part, as files that `kalfem check` reads."""
 
 import yaml

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """Builds the site and looks at its pages: links that lead nowhere, formulas that KaTeX cannot set, and whatever a
 browser would fetch from the network.
 

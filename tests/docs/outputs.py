@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a page shows of an output, against the output.
 
 The lines of the page are found in the output, in order. A line `...` stands for any lines, `...` within a line for any

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The fenced blocks of a page and the marks before them.
 
 A mark is an HTML comment in front of a block, which no reader sees:

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """Runs what a page of the documentation shows: commands, cases, programs.
 
     run_blocks.py PAGE --build BUILD [--python FOLDER] [--compile COMMAND]    run the page's blocks

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The runner of the pages' blocks finds what is wrong with a page.
 
     KALFEM_BUILD=build/release python3 -m unittest tests/docs/test_run_blocks.py

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Abaqus and CalculiX decks that are not whole, or hold what is not read.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every parameter and every field of the keywords that are kept: another value changes the model or its loads, or it is
 // told, or refused.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Steps of Abaqus and CalculiX decks: supports, temperatures, preload and loads that they change, and what they do not
 // run.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/records/common_delay.hpp"
 
 #include <gtest/gtest.h>

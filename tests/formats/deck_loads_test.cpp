@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Static load cases of decks: forces, pressures, gravity and supports that move.
 #include <gtest/gtest.h>
 

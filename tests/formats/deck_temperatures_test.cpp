@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Materials that depend on temperature, at the temperature that the deck or the user states.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/records/free_response.hpp"
 #include "base/absent.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/formats/gmsh/gmsh.hpp"
 #include "base/absent.hpp"
 #include "base/places.hpp"

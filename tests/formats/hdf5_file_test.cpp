@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Shells of layers and of one material in static decks that give no density: a strip that is pulled and bent.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // MATLAB files of version 7.3 as programs other than MATLAB write them, through HDF5 alone.
 #include <gtest/gtest.h>
 #include <hdf5.h>

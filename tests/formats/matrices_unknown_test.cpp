@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every format of matrices with a record, variable or dataset that no reader knows: it is told or refused, by its name
 // where it has one.
 #include <gtest/gtest.h>

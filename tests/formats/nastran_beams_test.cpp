@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Beams, rods and their sections against closed-form answers; E = 7e10, nu = 0.3, rho = 2700 unless said otherwise.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How lines become cards and fields become numbers.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Decks that are not whole, or hold what is not read: what is refused, what is told, and what is left alone.
 #include <gtest/gtest.h>
 

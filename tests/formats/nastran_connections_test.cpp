@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Springs, masses, rigid and weighted links, constraints and direct matrices, also in turned axes, against answers by
 // hand.
 #include <gtest/gtest.h>

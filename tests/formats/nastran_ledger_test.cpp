@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every field of every card: what is set to another value changes the model, is told, or is refused.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Loads of Nastran beside forces, pressures and gravity: by closed forms of one beam, and refused where they are not
 // read.
 #include <gtest/gtest.h>

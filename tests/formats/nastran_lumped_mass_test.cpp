@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The lumped mass of beams: as Nastran has it, translations of CBAR and rods, and the twist of CBEAM beside them.
 #include <gtest/gtest.h>
 

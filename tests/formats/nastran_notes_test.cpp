@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What is read although it is unusual, and of which kind the notes are.
 #include <gtest/gtest.h>
 

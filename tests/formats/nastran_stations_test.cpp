@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // PBEAM and PBEAML with several stations: which line is which, and what becomes of them.
 #include <gtest/gtest.h>
 

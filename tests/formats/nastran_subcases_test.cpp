@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the subcases of a Nastran deck choose: supports, constraints, temperatures and the preload of its modes.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Shells and solids of Nastran decks; E = 7e10, nu = 0.3, rho = 2700.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How cards are written: images, continuation markers, tenth fields, free text, names of included files.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every reader takes a sign of its own before a number, and none beside it.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A mass between two elements in line under tension: f = sqrt((2 T / L + k) / m) / (2 pi), by element of either
 // language. Beams have no kink at the mass: those of either language are tested against cables and columns elsewhere.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // *STEP, PERTURBATION of static steps: the stress of the step that it starts from is in its stiffness. Closed forms.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Encodings, dates, names of times and preambles of tables, as programs write them.
 #include <gtest/gtest.h>
 

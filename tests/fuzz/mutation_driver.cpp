@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Runs a fuzz target over its seeds and thousands of damaged copies of them, the same ones every time. Compilers with
 // libFuzzer link the target without this file and explore further.
 //   <name>_fuzz SEED_FOLDER COUNT

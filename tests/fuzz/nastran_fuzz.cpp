@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Any text is a model, or InvalidInput with at least one issue; nothing else. Built with -fsanitize=fuzzer,address.
 #include <cstddef>
 #include <cstdint>

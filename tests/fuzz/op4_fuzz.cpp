@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/formats/matrices.hpp"
 

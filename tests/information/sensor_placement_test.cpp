@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/information/sensor_placement.hpp"
 
 #include <gtest/gtest.h>

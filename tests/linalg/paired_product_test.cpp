@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/linalg/sparse_operations.hpp"
 
 #include <gtest/gtest.h>

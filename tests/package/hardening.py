@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Reads every program, Python module and shared library of a build folder, and says which of them can be turned
 against its user: a search path that depends on the current folder, or compiled without the usual protection.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Installs the project into an empty folder and uses it as somebody else would: only the public headers are there, each
 # compiles by itself, and the programs of examples/cpp build, run and find what they should.
 #   cmake -DSOURCE=<the project> -DBUILD=<its build> -DWORK=<folder to use> -P run.cmake

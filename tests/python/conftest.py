@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Fixtures: a small folder of results with the layout of results.h5, without the compiled module."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The chain of the examples, built in Python, and a record of it."""
 
 import functools

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """HTML of parameters, verdicts, runs and structures."""
 
 from types import SimpleNamespace

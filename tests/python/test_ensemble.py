@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """kf.map over threads, processes, Dask and MPI: order, failures, resumption."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """kf.map over a case: the numbers of single runs, its mistakes as values, and what the ensemble itself costs."""
 
 import time

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Estimates: arguments of every form, results, and the errors that name them."""
 
 import pickle

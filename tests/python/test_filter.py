@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The live filter: step by step and by blocks."""
 
 import itertools

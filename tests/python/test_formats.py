@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Measured files, read without a case."""
 
 import wave

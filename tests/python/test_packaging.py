@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The package as it is installed: its wheel, its import, its documentation."""
 
 import ast

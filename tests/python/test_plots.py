@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Plots: what they draw, and what they say where there is nothing to draw."""
 
 from types import SimpleNamespace

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The posterior in results.h5, as xarray and ArviZ read it: groups with the dimensions chain and draw."""
 
 import h5netcdf

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The bar in terminals and notebooks."""
 
 import io

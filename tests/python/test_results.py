@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Runs from a folder and from memory, their arrays, parameters and tables."""
 
 import doctest

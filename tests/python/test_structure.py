@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Structures: matrices, laws, parameters, finite elements, modes and frequency responses."""
 
 import copy

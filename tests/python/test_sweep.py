@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """kf.sweep: the bits of the command wherever runs are made, resumption, workers that die, wrong input."""
 
 import os

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/reduction/free_interface.hpp"
 
 #include <gtest/gtest.h>

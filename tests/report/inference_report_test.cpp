@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/report/inference_report.hpp"
 
 #include <gtest/gtest.h>

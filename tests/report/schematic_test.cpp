@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/report/schematic.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/report/structure_scene.hpp"
 #include "kalfem/pipeline/run_study.hpp"
 

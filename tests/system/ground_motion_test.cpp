@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/system/signals/ground_motion.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/updating/difference_jacobian.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/updating/eigen_sensitivities.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/updating/parameter_statistics.hpp"
 
 #include <gtest/gtest.h>

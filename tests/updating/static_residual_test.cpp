@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/updating/static_residual.hpp"
 #include "kalfem/model/assembly/assembly.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/base/freed_memory.hpp"
 
 #include <cstdlib>  // and with it __GLIBC__

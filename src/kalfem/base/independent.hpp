@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 /// KALFEM_INDEPENDENT before a loop: no iteration writes what another one reads or writes, so the compiler may run them

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/base/output_folder.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/casefile/case_schema.hpp"
 #include "kalfem/casefile/component_schema.hpp"
 #include "kalfem/casefile/plausible.hpp"

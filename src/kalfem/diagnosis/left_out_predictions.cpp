@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/diagnosis/left_out_predictions.hpp"
 
 #include <algorithm>

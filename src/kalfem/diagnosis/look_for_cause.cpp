@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/diagnosis/look_for_cause.hpp"
 
 #include <algorithm>

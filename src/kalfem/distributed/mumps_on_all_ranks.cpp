@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/distributed/mumps_on_all_ranks.hpp"
 
 namespace kalfem::distributed {

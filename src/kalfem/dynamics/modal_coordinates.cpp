@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/dynamics/modal_coordinates.hpp"
 
 #include "kalfem/base/invalid_input.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/dynamics/stepper.hpp"
 
 #include "kalfem/dynamics/first_order_form.hpp"

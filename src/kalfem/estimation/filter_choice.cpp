@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/estimation/filter_choice.hpp"
 
 #include "kalfem/estimation/kernels/tile_layout.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/estimation/innovation_pass.hpp"
 
 #include "kalfem/base/interruption.hpp"

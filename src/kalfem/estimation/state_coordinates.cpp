@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/estimation/state_coordinates.hpp"
 
 #include "kalfem/dynamics/modal_coordinates.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/formats/frequency_response_file.hpp"
 
 #include "kalfem/base/invalid_input.hpp"

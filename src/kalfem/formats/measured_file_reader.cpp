@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/formats/measured_file_reader.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/identification/finite_element_part.hpp"
 
 #include <algorithm>

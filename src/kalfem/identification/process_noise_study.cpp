@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/identification/process_noise_study.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/identification/unknown_scores.hpp"
 
 #include "kalfem/identification/record_estimate.hpp"

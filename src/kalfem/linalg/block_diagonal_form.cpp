@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/linalg/block_diagonal_form.hpp"
 
 #include <Eigen/Dense>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/linalg/factor_workspace.hpp"
 
 #include "kalfem/linalg/cholmod_workspace.hpp"

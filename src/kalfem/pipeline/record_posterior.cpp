@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/pipeline/record_posterior.hpp"
 
 #include "kalfem/base/parallel.hpp"

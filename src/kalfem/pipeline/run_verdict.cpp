@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/pipeline/run_verdict.hpp"
 
 #include "kalfem/diagnosis/judge_estimation.hpp"

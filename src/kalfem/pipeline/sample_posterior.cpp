@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/pipeline/sample_posterior.hpp"
 
 #include <algorithm>

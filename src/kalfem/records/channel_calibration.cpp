@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/records/channel_calibration.hpp"
 
 #include "kalfem/records/fractional_shift.hpp"

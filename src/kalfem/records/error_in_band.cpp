@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/records/error_in_band.hpp"
 
 #include <cmath>

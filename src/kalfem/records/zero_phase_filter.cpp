@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/records/zero_phase_filter.hpp"
 
 #include <algorithm>

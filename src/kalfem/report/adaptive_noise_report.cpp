@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/report/adaptive_noise_report.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/sampling/log_posterior_differences.hpp"
 
 #include <algorithm>

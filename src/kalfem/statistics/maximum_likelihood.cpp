@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/statistics/maximum_likelihood.hpp"
 
 #include <algorithm>

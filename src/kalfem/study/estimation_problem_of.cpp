@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/study/estimation_problem_of.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/study/run_plan.hpp"
 
 #include "kalfem/casefile/description.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/study/unknown_inputs_of.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // pagmo's class has Eigen members that its library allocates and this file destroys. kalfem aligns Eigen's memory to 64
 // bytes, the library as its packager chose, and mixing the two ends in free() of a wrong address. So this file has a
 // copy of Eigen of its own, under another name that no other object shares, with plain malloc and free as the library.

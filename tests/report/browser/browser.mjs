@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Opens the pages in Chromium and looks at them.
 
 import assert from "node:assert/strict";

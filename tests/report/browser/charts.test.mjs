@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Charts: they are drawn, zoom together, follow links to moments, and save what they show.
 
 import assert from "node:assert/strict";

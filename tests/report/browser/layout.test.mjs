@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The page as a whole: dark, narrow, on paper, read aloud.
 
 import assert from "node:assert/strict";

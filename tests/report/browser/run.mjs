@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // node run.mjs <write_pages program> <folder of node_modules> <folder for pages and screenshots>
 //
 // Writes the pages and runs every *.test.mjs on them. Ends with 77, which ctest takes as skipped, where there is no

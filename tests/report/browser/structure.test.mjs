@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The structure: it is drawn, takes the shapes of its modes, turns, plays, and does without WebGL.
 
 import assert from "node:assert/strict";

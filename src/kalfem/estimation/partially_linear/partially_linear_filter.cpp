@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/estimation/partially_linear/partially_linear_filter.hpp"
 
 #include "kalfem/base/independent.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/estimation/partially_linear/projected_covariance.hpp"
 
 #include <cassert>

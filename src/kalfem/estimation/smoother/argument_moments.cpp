@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/estimation/smoother/argument_moments.hpp"
 
 #include "kalfem/estimation/partially_linear/argument_factor.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "kalfem/estimation/partially_linear/argument_transform.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/estimation/unknown_input/input_estimate.hpp"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/formats/abaqus/spring_data.hpp"
 
 #include "kalfem/formats/abaqus/ledger_sweep.hpp"

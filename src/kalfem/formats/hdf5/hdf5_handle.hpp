@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Inside of readers of HDF5 only: everything that needs the C interface of HDF5.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The shell of MATLAB files of the versions 5 to 7.2 [MAT5]: what libmatio does not tell. It stops without a word where
 // a file was cut off, does not name the classes of objects, and makes room for as many cells as a damaged file counts.
 

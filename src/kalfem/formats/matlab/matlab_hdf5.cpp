@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // MATLAB files of version 7.3 are HDF5 files: variables are datasets, structures are groups, and cells and arrays of
 // structures hold references to datasets of the group #refs#. Attributes tell the classes.
 

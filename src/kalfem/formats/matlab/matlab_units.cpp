@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/formats/matlab/matlab_units.hpp"
 
 #include "kalfem/formats/matlab/matlab_frequencies.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/formats/matlab/matlab_values.hpp"
 
 #include <matio.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Matrix Market exchange format, [BPR96]: a banner "%%MatrixMarket matrix <coordinate|array> <field> <symmetry>",
 // comments, the size, then the entries; indices count from 1, arrays run down the columns.
 // "row column value", indices from 1: what CalculiX stores with *FREQUENCY, SOLVER=MATRIXSTORAGE and Abaqus with

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Nastran DMIG entries of a bulk data or punch file, in small, large or free fields:
 //   DMIG NAME 0 form type-in type-out polar - columns          the header of a matrix
 //   DMIG NAME GJ CJ - G1 C1 A1 B1  G2 C2 A2 B2 ...             one column of it

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Inside of the readers of matrices and of universal files only.
 
 // Inside of the readers of binary files only.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Matrices in HDF5 files: datasets of two dimensions; groups of triplets (rows, cols, values) or of compressed rows or
 // columns (data, indices, indptr, shape; jc and ir of MATLAB 7.3). MATLAB's full matrices stand column by column.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // MATLAB files of the versions 5 to 7 [MAT5]: elements of a tag (type, bytes) and data, padded to 8 bytes; a small
 // element has its data in the tag. An array holds flags, dimensions, name and numbers, a sparse one row indices and
 // column starts before them. Compressed elements are zlib streams. Arrays of other kinds (cells, structures, text) are

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // netCDF classic files (CDF-1, 64-bit offset CDF-2 and 64-bit data CDF-5) [NC3]: a header with the names of dimensions
 // and variables, then the values, big-endian. Square and rectangular variables of numbers are the matrices; a
 // superelement has beside them a map of its rows ("cbmap" of Sierra SD: node, direction 1 ... 6; 0, 0 for a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Matrix data blocks of a Nastran OUTPUT2 file. Everything stands in Fortran's unformatted records. A record of one
 // integer is a key: the number of words of the record behind it where it is positive, the end of a logical record where
 // it is negative, the end of a data block where it is 0. A data block is

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // OUTPUT4 as text: a header line (columns, rows, form, type, name, format of the numbers), then for each column that is
 // not empty a line (column, first row, words) and its numbers in fields of the given width; first row 0: strings of
 // non-zeros follow, each with a header line (row + 65536 (words + 1), or words + 1 and row). A column beyond the last

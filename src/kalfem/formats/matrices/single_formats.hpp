@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The readers of the single formats; inside of matrices.cpp only. Each gives all matrices of a file in its order and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // *USER ELEMENT, LINEAR with *MATRIX, TYPE=STIFFNESS or MASS: the substructures of Abaqus and CalculiX as they write
 // them with *SUBSTRUCTURE MATRIX OUTPUT. The nodes stand in comments below "** ELEMENT NODES"; data lines of *USER
 // ELEMENT give the directions of the first node, and then "position, directions" where they change; a symmetric matrix

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/formats/tables/lvm_segments.hpp"
 
 #include "kalfem/records/time_stamps.hpp"

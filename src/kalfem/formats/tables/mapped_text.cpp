@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/formats/tables/mapped_text.hpp"
 
 #include "kalfem/formats/tables/text_table.hpp"

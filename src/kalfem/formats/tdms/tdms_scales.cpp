@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Scales of a channel (NI_Scale properties): a chain of numbered steps, of which the last one gives the channel's
 // values. Each takes its input from another step, from the raw numbers or from a DAQmx scaler.
 

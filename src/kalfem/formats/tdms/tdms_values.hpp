@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Inside of the reader of TDMS files only.
 
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The points of a chart that are in view, as comma-separated values with the digits that the page has.
 
 import {inLegendOrder} from "./curves.js";

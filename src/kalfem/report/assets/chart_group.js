@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Charts over the same abscissa ("time [s]") share the cursor and, unless the reader switches it off, the zoom.
 
 import {isPrinting} from "./dom.js";

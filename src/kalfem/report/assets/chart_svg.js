@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a chart shows as a drawing: title, legend, axes, bands and curves as vectors, in the colours of print.
 
 import {bandOpacity, inLegendOrder} from "./curves.js";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One chart: its legend, its canvas drawn by uPlot, and what part of the data is in view.
 //
 // A view {x, y, base, zoomed} is the range along x, on a scatter chart also along y, the view that it was zoomed from

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The contents mark the section that is being read.
 
 export function markContents() {

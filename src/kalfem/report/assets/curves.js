@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How curves look: colour and stroke by what they stand for, the same on every chart of the page.
 
 const styles = {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Elements of the page and the colours of its style sheet.
 
 export function make(tag, attributes = {}, ...children) {

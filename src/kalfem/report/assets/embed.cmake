@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # cmake -DOUTPUT=<file.cpp> -DASSETS="<function>=<file>;..." -P embed.cmake
 #
 # Writes a C++ source in which each function returns the bytes of its file. Byte arrays rather than string literals:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The menu of a chart that saves it: as a picture, as a drawing, as numbers. All three hold what is in view.
 
 import {chartCsv} from "./chart_csv.js";

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # cmake -DFOLDER=<where to> -DSOURCE=<folder of package.json> -P fetch.cmake
 #
 # Fetches packages from npm, in the versions that package-lock.json pins. npm is looked for here, when they are needed:

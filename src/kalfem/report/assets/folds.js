@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Charts that stand folded away are drawn when they are opened or printed: a page may hold hundreds.
 
 export function whenUnfolded(figure, draw) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Links to a moment of a chart: "#chart-<id>@12.5" shows 12.5 s in all charts over time.
 
 import {unfold} from "./folds.js";

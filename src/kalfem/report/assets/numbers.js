@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Numbers as axes and readouts show them.
 
 export const withMinus = text => String(text).replace(/-/g, "\u2212");

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Draws the charts of the page from the JSON in #chart-data, and makes them work together.
 
 import {ChartGroup} from "./chart_group.js";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The page's script in a build without the parts from npm: says in place of each chart why it is not drawn.
 for (const figure of document.querySelectorAll("[data-chart], [data-scene]")) {
   const note = document.createElement("p");

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /*! With uPlot, Copyright (c) Leon Sorokin, MIT licence. */
 
 // A chart's data and look in the terms of uPlot.

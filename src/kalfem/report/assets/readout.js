@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The values under the cursor of a chart, beside it.
 
 import {cssColor, make} from "./dom.js";

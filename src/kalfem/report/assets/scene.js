@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Builds the views of the structures on the page from the JSON in #scene-data, each when it first comes near the screen.
 
 import {make} from "./dom.js";

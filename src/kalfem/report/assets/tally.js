@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What came of the page's scripts, on <body> for tests: data-charts, data-curves and data-scenes drawn, data-errors met,
 // data-resources taken from outside (always 0).
 

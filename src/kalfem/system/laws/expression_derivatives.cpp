@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kalfem/system/laws/expression_derivatives.hpp"
 
 #include <numbers>

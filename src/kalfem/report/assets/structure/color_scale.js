@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Colours for displacements from none to the largest: told apart by lightness alone, too.
 
 import {Color, SRGBColorSpace} from "three";

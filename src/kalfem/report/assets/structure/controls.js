@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The line of controls above a structure.
 
 import {button, make} from "../dom.js";

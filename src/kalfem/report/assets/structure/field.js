@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A mode or a motion: displacements of all places, u = sum of coordinates times shapes.
 
 import {numbers} from "./structure_data.js";

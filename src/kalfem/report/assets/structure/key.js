@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the colours and symbols of a structure mean, below it.
 
 import {make} from "../dom.js";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Symbols and names above the canvas: sensors, forces, supports ... at their places, and the directions of the axes.
 
 import {Vector3} from "three";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A parallel camera that turns around a structure, moves and comes closer, by mouse, touch and keyboard. z points up.
 
 import {OrthographicCamera, Vector3} from "three";

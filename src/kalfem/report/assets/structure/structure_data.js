@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A scene as the page's JSON holds it, unpacked: places, triangles by region, lines, edges.
 
 const creaseCosine = 0.82;  // of the angle above which two faces meet in an edge of the outline

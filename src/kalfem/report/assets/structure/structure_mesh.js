@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The structure as objects of three.js. All of them share one list of places, so that they deform together.
 
 import {BufferAttribute, BufferGeometry, DoubleSide, DynamicDrawUsage, Group, LineBasicMaterial, LineDashedMaterial,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A structure on the page: it turns, takes the shapes of its modes and plays its motions. It is drawn only when something
 // has changed or moves, and only while it is on the screen.
 
