@@ -107,7 +107,7 @@ std::vector<Reason> reasons_of_substeps(const RecordEstimate& estimate) {
   if (largest < 0 || choice.bias[largest] <= large_bias) return {};
   const double bias = choice.bias[largest];
   const std::string& name = estimate.augmented_model->options().unknowns[static_cast<std::size_t>(largest)].name;
-  const bool to_come = estimate.second_thoughts == SecondThoughts::pending;
+  const bool to_come = estimate.second_thoughts == SecondThoughts::pending;  // intervals hold the bias
   return {{"step_too_coarse", name,
            fmt::format("with {} substeps per sample{}, the filter's model biases '{}' by {:.2g} of its standard "
                        "deviations",
@@ -115,7 +115,7 @@ std::vector<Reason> reasons_of_substeps(const RecordEstimate& estimate) {
            to_come          ? "more substeps are tried next"
            : choice.stopped ? "state second_thoughts: full, which tries more, or sample the record faster"
                             : "sample the record faster; the bias falls with the square of the sampling rate",
-           state_of(std::max(suspicious_widening, bias)), bias}};
+           to_come || choice.stopped ? VerdictState::suspicious : state_of(std::max(suspicious_widening, bias)), bias}};
 }
 
 /// Unknowns of the measurement that the record does not show, or that were not found.

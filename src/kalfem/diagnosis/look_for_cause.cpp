@@ -62,7 +62,8 @@ std::optional<Diagnosis> look_for_cause(const EstimationProblem& problem, const 
   // An unknown input makes up for most mistakes, and its assumed process for others: trials could not tell them apart.
   if (!problem.settings.unknown_inputs.empty()) return std::nullopt;
   if (!estimate.result.failure && !is_doubtful(estimate)) return std::nullopt;
-  const int substeps = trial_substeps(estimate);
+  // Where substeps have not settled, the contradiction may be theirs, and a trial would blame the model for it.
+  const int substeps = estimate.substeps.stopped ? 0 : trial_substeps(estimate);
   if (substeps == 0) {
     estimate.leave_out("the mistake behind the contradiction");
     return std::nullopt;
