@@ -4,6 +4,8 @@
 // column starts before them. Compressed elements are zlib streams. Arrays of other kinds (cells, structures, text) are
 // passed over.
 
+#include <set>
+
 #include "kalfem/formats/matrices/entries.hpp"
 #include "kalfem/formats/matrices/single_formats.hpp"
 #include "kalfem/formats/text_file.hpp"
@@ -81,8 +83,7 @@ public:
     if (matrices_.empty())
       file_.refuse("the file has no matrix of real numbers" + passed_over(), "full or sparse matrices are required",
                    "save stiffness and mass as separate variables");
-    if (!others_.empty())
-      matrices_.front().notes.push_back("variables that are no matrices and are not used:" + others());
+    if (has_others()) matrices_.front().notes.push_back("variables that are no matrices and are not used:" + others());
     return std::move(matrices_);
   }
 
@@ -102,7 +103,7 @@ private:
     if (element.type == array_element)
       read_array(element.data);
     else
-      others_.push_back("element of type " + std::to_string(element.type));
+      other_types_.insert(element.type);
   }
 
   void read_array(std::string_view data) {
@@ -175,17 +176,20 @@ private:
     return numbers;
   }
 
-  [[nodiscard]] std::string passed_over() const { return others_.empty() ? "" : ", only" + others(); }
+  [[nodiscard]] bool has_others() const { return !others_.empty() || !other_types_.empty(); }
+  [[nodiscard]] std::string passed_over() const { return has_others() ? ", only" + others() : ""; }
 
   [[nodiscard]] std::string others() const {
     std::string text;
     for (const auto& name : others_) text += " '" + name + "'";
+    for (const auto type : other_types_) text += " 'element of type " + std::to_string(type) + "'";
     return text;
   }
 
   ByteReader file_;
   std::vector<ForeignMatrix> matrices_;
   std::vector<std::string> others_;
+  std::set<std::uint32_t> other_types_;  ///< of elements that are no arrays: a file may hold any number of them
 };
 
 }  // namespace
