@@ -46,7 +46,7 @@ class SpoiltRecords : public testing::TestWithParam<Spoilt> {};
 TEST_P(SpoiltRecords, GiveTheParametersAndNameTheirEvents) {
   const auto problem = spoilt_problem();
   const Record record = spoilt_chain_record(problem, 12.0, 1, GetParam());
-  const auto estimate = estimate_of(problem, record);
+  auto estimate = estimate_of(problem, record);
   ASSERT_FALSE(estimate.result.failure);
   expect_parameters(estimate, 0.02);
 

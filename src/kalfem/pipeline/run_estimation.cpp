@@ -150,7 +150,7 @@ EstimationOutcome run_estimation(const Study& study, AugmentedModelSetup& setup,
   double first_answer = 0.0;
   options.on_first_answer = [&](const RecordEstimate& estimate) {
     first_answer = watch.seconds();
-    if (estimate.second_thoughts != SecondThoughts::pending) return;
+    if (!on_first_answer || estimate.second_thoughts != SecondThoughts::pending) return;
     EstimationOutcome outcome = outcome_of(study, results, monitored, estimate, watch);
     outcome.first_answer_seconds = first_answer;
     on_first_answer(std::move(outcome));
