@@ -159,6 +159,7 @@ Json timing_summary(const Study& study, const StudyResults& results) {
     timing["estimate_split_s"] = {{"predict", number(outcome.result.time.predict)},
                                   {"update", number(outcome.result.time.update)},
                                   {"output", number(outcome.result.time.output)}};
+    timing["first_answer"] = {{"after_s", number(outcome.first_answer_seconds)}};
   }
   return timing;
 }
@@ -210,7 +211,6 @@ Json summarise(const Study& study, const StudyResults& results) {
       summary["hardly_known"] = results.estimation->hardly_known;
     }
     summary["estimation"] = estimation_summary(*results.estimation);
-    summary["estimation"]["first_answer_s"] = number(results.estimation->first_answer_seconds);
     if (!results.estimation->left_out.empty()) summary["estimation"]["left_out"] = results.estimation->left_out;
     if (!results.estimation->events.empty()) summary["events"] = events_summary(*results.estimation);
     if (results.estimation->result.noise)
