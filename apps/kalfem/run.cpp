@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
 #include <filesystem>
 #include <optional>
 
@@ -115,9 +114,7 @@ public:
 
   ExitCode write_and_tell() {
     if (results_.interrupted && !results_.simulation && !results_.updating && !results_.estimation) throw Interrupted();
-    ResultSet set = write_result_set(folder_, study_, results_, watch_);
-    for (auto& name : removed_)
-      if (!std::ranges::binary_search(set.files, name)) set.removed.push_back(std::move(name));
+    const ResultSet set = write_result_set(folder_, study_, results_, watch_);
     if (arguments_.told == Told::report) print_report(console_report(study_, results_));
     if (arguments_.verbose) print_report(console_details(study_, results_));
     tell_files(set);
@@ -142,7 +139,7 @@ private:
   }
 
   void write_and_tell_first(const StudyResults& results) {
-    removed_ = write_first_answer(folder_, study_, results, watch_);
+    write_first_answer(folder_, study_, results, watch_);
     if (is_read_on_terminal()) tell("{}\n", console_first_answer(study_, results));
   }
 
@@ -161,7 +158,6 @@ private:
   Study study_;
   std::optional<ResumeNote> note_;  ///< goes before the folder does
   StudyResults results_;
-  std::vector<std::string> removed_;  ///< of an earlier run, when the first answer was written
 };
 
 }  // namespace

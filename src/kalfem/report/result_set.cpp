@@ -203,17 +203,14 @@ std::string summary_text(Json summary, const Names& files, double total_seconds)
   return with_unicode_escapes(summary.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
 }
 
-Names write_first_answer(OutputFolder& folder, const Study& study, const StudyResults& results, const Stopwatch& run) {
+void write_first_answer(OutputFolder& folder, const Study& study, const StudyResults& results, const Stopwatch& run) {
+  const auto stands = [&](const auto& name) { return fs::exists(folder.path() / name); };
+  if (std::ranges::any_of(former_files(folder.path()), stands)) return;
   try {
     Json summary = summarise(study, results);
     write_cases(folder.staging(), study, results, summary["run"]);
-    const ResultSet written = write_summary(folder.staging(), std::move(summary), run);
-    Names former = former_files(folder.path()), removed;
-    for (const auto& name : former)
-      if (!std::ranges::binary_search(written.files, name) && fs::is_regular_file(folder.path() / name))
-        removed.push_back(name);
-    folder.replace(former);
-    return removed;
+    write_summary(folder.staging(), std::move(summary), run);
+    folder.replace({});
   } catch (const WriteFailure& failure) {
     throw with_final_names(failure, folder);
   }

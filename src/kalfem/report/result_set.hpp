@@ -75,11 +75,9 @@ struct ResultSet {
 /// former set in its place then.
 ResultSet write_result_set(OutputFolder& folder, const Study& study, const StudyResults& results, const Stopwatch& run);
 
-/// Writes summary.json, case.resolved.yaml and case.identified.yaml of a run whose estimation has its first answer, and
-/// switches the folder to them: of a former run nothing is left. The names of what was removed. Throws as
-/// write_result_set().
-std::vector<std::string> write_first_answer(OutputFolder& folder, const Study& study, const StudyResults& results,
-                                            const Stopwatch& run);
+/// Writes summary.json, case.resolved.yaml and case.identified.yaml of a run whose estimation has its first answer. The
+/// whole set of a former run stays until this one is whole: then nothing is written. Throws as write_result_set().
+void write_first_answer(OutputFolder& folder, const Study& study, const StudyResults& results, const Stopwatch& run);
 
 /// Throws InvalidInput where a folder stands in the place of a file of the results: found before anything is computed.
 void require_result_places(const std::filesystem::path& folder, const Study& study);
