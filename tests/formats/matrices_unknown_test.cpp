@@ -56,6 +56,7 @@ std::vector<Unknown> unknowns() {
   for (const bool big : {false, true}) {
     for (const char* told : {"'T'", "'E'", "element of type 9"})
       all.push_back({matlab(big), matlab(big, false, true), "m.mat", told});
+    all.push_back({matlab(big), matlab(big) + std::string(64, '\0'), "m.mat", "bytes that are no element"});
   }
   for (const int version : {1, 2, 5}) all.push_back({netcdf(version), netcdf(version, true), "m.nc", "names"});
   for (const auto& kind : kinds) {

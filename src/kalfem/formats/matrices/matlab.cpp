@@ -79,7 +79,8 @@ public:
   }
 
   std::vector<ForeignMatrix> read() {
-    while (!file_.at_end()) take(next_element(file_));
+    while (!file_.at_end() && !ended_) take(next_element(file_));
+    if (ended_) others_.emplace_back("bytes that are no element");
     if (matrices_.empty())
       file_.refuse("the file has no matrix of real numbers" + passed_over(), "full or sparse matrices are required",
                    "save stiffness and mass as separate variables");
@@ -102,6 +103,8 @@ private:
   void take_plain(const Element& element) {
     if (element.type == array_element)
       read_array(element.data);
+    else if (element.type == 0)  // no type of MATLAB's: what follows is no element
+      ended_ = true;
     else
       other_types_.insert(element.type);
   }
@@ -189,6 +192,7 @@ private:
   ByteReader file_;
   std::vector<ForeignMatrix> matrices_;
   std::vector<std::string> others_;
+  bool ended_ = false;
   std::set<std::uint32_t> other_types_;  ///< of elements that are no arrays: a file may hold any number of them
 };
 
