@@ -13,7 +13,6 @@ namespace {
 
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
 using Vector12 = Eigen::Matrix<double, 12, 1>;
-using Row = Eigen::Matrix<double, 1, 12>;
 using Pair = Eigen::Matrix<double, 2, 12>;  ///< [v, w], or the slopes [theta_z, -theta_y], from the motions of the ends
 
 /// Adds value [a b; b a] to the degrees of freedom of one direction at both ends.
@@ -125,96 +124,29 @@ Matrix12 local_stiffness(BeamPart part, const BeamSection& section, const Bendin
   return transform.transpose() * centroid_stiffness(part, section, bending, length, poissons_ratio) * transform;
 }
 
-/// Second moments of the section that turn with the slopes: of the planes that are soft in shear.
-Eigen::Matrix2d rotary_section(const BeamSection& section) {
-  const bool y = section.shear_factor_y != 0.0, z = section.shear_factor_z != 0.0;
-  const double product = y && z ? section.product_yz : 0.0;
-  return Eigen::Matrix2d{{y ? section.inertia_z : 0.0, product}, {product, z ? section.inertia_y : 0.0}};
-}
-
-/// A line of mass in the section: its amount per length at a place off the shear centre, and how it turns.
-struct LineMass {
-  double amount = 0.0;
-  Eigen::Vector2d place = Eigen::Vector2d::Zero();  ///< local y, z
-  double polar = 0.0;
-  Eigen::Matrix2d rotary = Eigen::Matrix2d::Zero();
-};
-
 // Gauss's rule of four points on [-1, 1]: exact for the products of cubics.
 constexpr std::array<double, 4> places = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
                                           0.8611363115940526};
 constexpr std::array<double, 4> weights = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
                                            0.3478548451374538};
 
-Row twist_at(double s) {
-  Row twist = Row::Zero();
-  twist[3] = 1.0 - s, twist[9] = s;
-  return twist;
+/// Motions of the line at the share s of the length.
+SectionMotions section_motions(const BeamSection& section, const Bending& bending, double s) {
+  const Pair slopes = bending.slopes(s);
+  SectionMotions motions = SectionMotions::Zero();
+  motions(0, 0) = motions(3, 3) = 1.0 - s, motions(0, 6) = motions(3, 9) = s;
+  motions.row(0) += section.centroid.transpose() * slopes;
+  motions.middleRows<2>(1) = bending.deflections(s);
+  motions.row(4) = -slopes.row(1);
+  motions.row(5) = slopes.row(0);
+  return motions * axial_at_centroid(section.centroid);
 }
 
-/// Motion of a line of mass at the share s of the length, from those of the ends with the axial ones of the centroid.
-Eigen::Matrix<double, 3, 12> motions_of_mass(const LineMass& line, const BeamSection& section, const Bending& bending,
-                                             double s) {
-  Eigen::Matrix<double, 3, 12> motions;
-  motions << Row::Zero(), bending.deflections(s);
-  motions(0, 0) = 1.0 - s, motions(0, 6) = s;
-  motions.row(0) -= (line.place - section.centroid).transpose() * bending.slopes(s);
-  motions.row(1) -= line.place.y() * twist_at(s);
-  motions.row(2) += line.place.x() * twist_at(s);
-  return motions;
-}
-
-Matrix12 consistent_mass(const LineMass& line, const BeamSection& section, const Bending& bending, double l) {
-  Matrix12 mass = Matrix12::Zero();
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const double s = 0.5 * (1.0 + places[i]), weight = 0.5 * l * weights[i];
-    const auto motions = motions_of_mass(line, section, bending, s);
-    const Pair slopes = bending.slopes(s);
-    const Row twist = twist_at(s);
-    mass += weight * line.amount * (motions.transpose() * motions);
-    mass += weight * (line.polar * twist.transpose() * twist + slopes.transpose() * line.rotary * slopes);
-  }
-  const Matrix12 transform = axial_at_centroid(section.centroid);
-  return transform.transpose() * mass * transform;
-}
-
-/// int N^T m a ds of a line of mass m per length, with the field a at its own places.
-Vector12 consistent_field_forces(const LineMass& line, const BeamSection& section, const Bending& bending, double l,
-                                 const LineField& field) {
-  Vector12 forces = Vector12::Zero();
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const double s = 0.5 * (1.0 + places[i]), weight = 0.5 * l * weights[i];
-    forces += weight * line.amount * motions_of_mass(line, section, bending, s).transpose() * field.at(s, line.place);
-  }
-  return axial_at_centroid(section.centroid).transpose() * forces;
-}
-
-/// Motion of a mass at the end that starts at the column `end`.
-Eigen::Matrix<double, 3, 12> motions_at_end(const Eigen::Vector2d& place, int end) {
-  Eigen::Matrix<double, 3, 12> motion = Eigen::Matrix<double, 3, 12>::Zero();
-  motion.middleCols<3>(end).setIdentity();
-  motion.middleCols<3>(end + 3) << 0.0, place.y(), -place.x(), -place.y(), 0.0, 0.0, place.x(), 0.0, 0.0;
-  return motion;
-}
-
-Vector12 lumped_field_forces(const LineMass& line, double length, const LineField& field) {
-  Vector12 forces = Vector12::Zero();
-  for (const int end : {0, 6})
-    forces += 0.5 * length * line.amount * motions_at_end(line.place, end).transpose() * field.at(end / 6, line.place);
-  return forces;
-}
-
-Matrix12 lumped_mass(const LineMass& line, double length, LumpedInertia inertia) {
-  Matrix12 mass = Matrix12::Zero();
-  for (const int end : {0, 6}) {
-    const auto motion = motions_at_end(line.place, end);
-    mass += 0.5 * length * line.amount * motion.transpose() * motion;
-    if (inertia != LumpedInertia::none) mass(end + 3, end + 3) += 0.5 * length * line.polar;
-    if (inertia != LumpedInertia::all) continue;
-    const Eigen::Matrix2d turning =
-        line.amount * std::pow(length, 3) / 78.0 * Eigen::Matrix2d::Identity() + 0.5 * length * line.rotary;
-    mass += slopes_of_end(end).transpose() * turning * slopes_of_end(end);
-  }
+/// What stands at either end of a lumped line.
+LineMass half_of(LineMass mass, double length) {
+  mass.amount *= 0.5 * length;
+  mass.polar *= 0.5 * length;
+  mass.rotary *= 0.5 * length;
   return mass;
 }
 
@@ -321,16 +253,23 @@ struct PlacedBeam {
   }
 };
 
-Matrix12 line_mass(const LineMass& mass, const BeamProperty& property, const Bending& bending, double length,
-                   MassKind mass_kind) {
-  return mass_kind == MassKind::consistent ? consistent_mass(mass, property.section, bending, length)
-                                           : lumped_mass(mass, length, property.lumped_inertia);
+/// Calls `visit` with the shares of Gauss's points and their weights, which sum to the length.
+void at_gauss_points(double length, const auto& visit) {
+  for (std::size_t i = 0; i < places.size(); ++i) visit(0.5 * (1.0 + places[i]), 0.5 * length * weights[i]);
 }
 
-/// Of the section itself, per unit density.
-LineMass section_mass(const BeamSection& section) {
-  return {section.area, section.centroid, section.inertia_y + section.inertia_z, rotary_section(section)};
+Matrix12 line_mass(const LineMass& mass, const BeamProperty& property, const Bending& bending, double length,
+                   MassKind mass_kind) {
+  Matrix12 sum = Matrix12::Zero();
+  if (mass_kind == MassKind::consistent)
+    at_gauss_points(length, [&](double s, double weight) {
+      sum += weight * mass_at_section(mass, section_motions(property.section, bending, s));
+    });
+  else
+    for (const int end : {0, 1}) sum += mass_at_end(half_of(mass, length), end, length, property.lumped_inertia);
+  return sum;
 }
+
 LineMass nonstructural_mass(const BeamProperty& property) {
   return {.amount = property.nonstructural_mass, .place = property.nonstructural_centre};
 }
@@ -353,11 +292,16 @@ Vector12 field_forces(const PlacedBeam& placed, const BeamProperty& property, co
     return density * placed.tapered->section_forces(mass_kind, field) +
            placed.tapered->nonstructural_forces(mass_kind, field);
   const auto of = [&](const LineMass& mass) {
-    return mass_kind == MassKind::consistent
-               ? consistent_field_forces(mass, property.section, bending, placed.length, field)
-               : lumped_field_forces(mass, placed.length, field);
+    Vector12 sum = Vector12::Zero();
+    if (mass_kind == MassKind::consistent)
+      at_gauss_points(placed.length, [&](double s, double weight) {
+        sum += weight * forces_at_section(mass, section_motions(property.section, bending, s), s, field);
+      });
+    else
+      for (const int end : {0, 1}) sum += forces_at_end(half_of(mass, placed.length), end, field);
+    return sum;
   };
-  return density * of(section_mass(property.section)) + of(nonstructural_mass(property));
+  return density * of(mass_of(property.section)) + of(nonstructural_mass(property));
 }
 
 /// End forces of the line about the centroids of the end sections.
@@ -401,7 +345,7 @@ ElementMatrices beam(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty
     if (placed.tapered) return placed.tapered->stiffness();
     return local_stiffness(part, section, bending, placed.length, poissons_ratio);
   };
-  const auto mass_of = [&](const LineMass& mass) {
+  const auto nodal_mass = [&](const LineMass& mass) {
     return to_nodes(line_mass(mass, property, bending, placed.length, mass_kind));
   };
   ElementMatrices matrices;
@@ -413,8 +357,8 @@ ElementMatrices beam(const Eigen::Matrix<double, 3, 2>& ends, const BeamProperty
       matrices.mass.push_back({{}, to_nodes(placed.tapered->nonstructural_mass(mass_kind))});
     return matrices;
   }
-  matrices.mass = {{{.density = 1}, mass_of(section_mass(section))}};
-  if (property.nonstructural_mass != 0.0) matrices.mass.push_back({{}, mass_of(nonstructural_mass(property))});
+  matrices.mass = {{{.density = 1}, nodal_mass(mass_of(section))}};
+  if (property.nonstructural_mass != 0.0) matrices.mass.push_back({{}, nodal_mass(nonstructural_mass(property))});
   return matrices;
 }
 
@@ -456,10 +400,10 @@ Eigen::MatrixXd beam_geometric_stiffness(const Eigen::Matrix<double, 3, 2>& ends
   const PlacedBeam placed(ends, property, placement, poissons_ratio);
   const Bending bending(property.section, placed.length, poissons_ratio);
   Matrix12 local = Matrix12::Zero();
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const Pair slopes = bending.deflection_slopes(0.5 * (1.0 + places[i]));
-    local += 0.5 * placed.length * weights[i] * axial_force * slopes.transpose() * slopes;
-  }
+  at_gauss_points(placed.length, [&](double s, double weight) {
+    const Pair slopes = bending.deflection_slopes(s);
+    local += weight * axial_force * slopes.transpose() * slopes;
+  });
   if (placed.tapered) local = axial_force * placed.tapered->geometric_stiffness();
   const Matrix12 transform = placed.not_released * placed.to_line;
   return transform.transpose() * local * transform;

@@ -66,12 +66,11 @@ bool more_than_doubles(const BeamSection& a, const BeamSection& b) {
   return false;
 }
 
-/// [theta_z, -theta_y], as slopes of [v, w].
-template <typename Rows>
-Eigen::Matrix<double, 2, 12> turns_of(const Rows& motions) {
-  Eigen::Matrix<double, 2, 12> turns;
-  turns << motions.row(5), -motions.row(4);
-  return turns;
+LineMass mass_of_section(const BeamStation& station) { return mass_of(station.section); }
+LineMass mass_beside_section(const BeamStation& station) {
+  return {.amount = station.nonstructural_mass,
+          .place = station.nonstructural_centre,
+          .polar = station.nonstructural_inertia};
 }
 
 }  // namespace
@@ -116,10 +115,10 @@ TaperedLine::TaperedLine(const std::vector<BeamStation>& stations, double length
   std::vector<Matrix6> reached = {Matrix6::Zero()};  // G at the starts of the parts, and F at the end
   for (const auto& [from, to] : parts)
     reached.push_back(carry((to - from) * length).transpose() * reached.back() + flexibility(from, to, to));
-  Rows relative;
+  SectionMotions relative;
   relative << -carry(length).transpose(), Matrix6::Identity();
   const Matrix6 inverse = reached.back().inverse();
-  const Rows loads = 0.5 * (inverse + inverse.transpose()) * relative;
+  const SectionMotions loads = 0.5 * (inverse + inverse.transpose()) * relative;
   stiffness_ = relative.transpose() * loads;
   for (std::size_t i = 0; i < parts.size(); ++i) add_points(parts[i], reached[i], loads);
 }
@@ -154,8 +153,8 @@ Matrix6 TaperedLine::flexibility(double from, double to, double up_to) const {
   return sum;
 }
 
-void TaperedLine::add_points(const Part& part, const Matrix6& before, const Rows& loads) {
-  Rows start = Rows::Zero();
+void TaperedLine::add_points(const Part& part, const Matrix6& before, const SectionMotions& loads) {
+  SectionMotions start = SectionMotions::Zero();
   start.leftCols<6>().setIdentity();
   for (std::size_t i = 0; i < places.size(); ++i) {
     const double place = between(part.from, part.to, places[i]);
@@ -166,7 +165,7 @@ void TaperedLine::add_points(const Part& part, const Matrix6& before, const Rows
     const Matrix6 reached =
         carry((place - part.from) * length_).transpose() * before + flexibility(part.from, place, place);
     point.motions = carry(place * length_).transpose() * start + reached * loads;
-    const Rows strains = compliance(point.station.section) * carry((1.0 - place) * length_) * loads;
+    const SectionMotions strains = compliance(point.station.section) * carry((1.0 - place) * length_) * loads;
     point.slopes << point.motions.row(5) + strains.row(1), strains.row(2) - point.motions.row(4);
     points_.push_back(std::move(point));
   }
@@ -179,39 +178,16 @@ TaperedLine::Matrix12 TaperedLine::geometric_stiffness() const {
 }
 
 TaperedLine::Matrix12 TaperedLine::mass(MassAt mass_at, MassKind kind) const {
-  return kind == MassKind::consistent ? consistent(mass_at) : lumped(mass_at);
-}
-
-TaperedLine::Motions TaperedLine::motions_of_mass(const Point& point, const Eigen::Vector2d& place) {
-  Motions moved = point.motions.topRows<3>();
-  moved.row(0) -= place.transpose() * turns_of(point.motions);
-  moved.row(1) -= place.y() * point.motions.row(3);
-  moved.row(2) += place.x() * point.motions.row(3);
-  return moved;
-}
-
-TaperedLine::Motions TaperedLine::motions_at_end(const Eigen::Vector2d& place, int end) {
-  Motions moved = Motions::Zero();
-  moved.middleCols<3>(6 * end).setIdentity();
-  moved.middleCols<3>(6 * end + 3) << 0.0, place.y(), -place.x(), -place.y(), 0.0, 0.0, place.x(), 0.0, 0.0;
-  return moved;
-}
-
-TaperedLine::Matrix12 TaperedLine::consistent(MassAt mass_at) const {
   Matrix12 sum = Matrix12::Zero();
-  for (const auto& point : points_) {
-    const LineMass line = mass_at(point.station);
-    const Motions moved = motions_of_mass(point, line.place);
-    const Slopes turns = turns_of(point.motions);
-    const auto twist = point.motions.row(3);
-    sum += point.weight * (line.amount * moved.transpose() * moved + line.polar * twist.transpose() * twist +
-                           turns.transpose() * line.rotary * turns);
-  }
+  if (kind == MassKind::consistent)
+    for (const auto& point : points_) sum += point.weight * mass_at_section(mass_at(point.station), point.motions);
+  else
+    for (const int end : {0, 1}) sum += mass_at_end(mass_of_end(mass_at, end), end, length_, lumped_inertia_);
   return sum;
 }
 
-TaperedLine::LineMass TaperedLine::mass_of_end(MassAt mass_at, int end) const {
-  LineMass own{0.0, 0.0, Eigen::Vector2d::Zero(), Eigen::Matrix2d::Zero()};
+LineMass TaperedLine::mass_of_end(MassAt mass_at, int end) const {
+  LineMass own;
   for (const auto& point : points_) {
     const double share = point.weight * (end == 0 ? 1.0 - point.station.place : point.station.place);
     const LineMass line = mass_at(point.station);
@@ -227,51 +203,11 @@ TaperedLine::LineMass TaperedLine::mass_of_end(MassAt mass_at, int end) const {
 TaperedLine::Vector12 TaperedLine::forces(MassAt mass_at, MassKind kind, const LineField& field) const {
   Vector12 sum = Vector12::Zero();
   if (kind == MassKind::consistent)
-    for (const auto& point : points_) {
-      const LineMass line = mass_at(point.station);
-      sum += point.weight * line.amount * motions_of_mass(point, line.place).transpose() *
-             field.at(point.station.place, line.place);
-    }
+    for (const auto& point : points_)
+      sum += point.weight * forces_at_section(mass_at(point.station), point.motions, point.station.place, field);
   else
-    for (const int end : {0, 1}) {
-      const LineMass own = mass_of_end(mass_at, end);
-      sum += own.amount * motions_at_end(own.place, end).transpose() * field.at(end, own.place);
-    }
+    for (const int end : {0, 1}) sum += forces_at_end(mass_of_end(mass_at, end), end, field);
   return sum;
-}
-
-// Each end carries its share of the mass at its centre, and half of what a rotation of the whole gets by diagonal
-// scaling, m L^2 / 78.
-TaperedLine::Matrix12 TaperedLine::lumped(MassAt mass_at) const {
-  Matrix12 sum = Matrix12::Zero();
-  for (const int end : {0, 1}) {
-    const LineMass own = mass_of_end(mass_at, end);
-    const Motions moved = motions_at_end(own.place, end);
-    const int first = 6 * end;
-    sum += own.amount * moved.transpose() * moved;
-    if (lumped_inertia_ != LumpedInertia::none) sum(first + 3, first + 3) += own.polar;
-    if (lumped_inertia_ != LumpedInertia::all) continue;
-    const double scaled = 2.0 * own.amount * length_ * length_ / 78.0;
-    sum(first + 4, first + 4) += scaled + own.rotary(1, 1);
-    sum(first + 5, first + 5) += scaled + own.rotary(0, 0);
-    sum(first + 4, first + 5) -= own.rotary(0, 1);
-    sum(first + 5, first + 4) -= own.rotary(0, 1);
-  }
-  return sum;
-}
-
-// Rotary inertia of the planes that are soft in shear, as in beam().
-TaperedLine::LineMass TaperedLine::mass_of_section(const BeamStation& station) {
-  const BeamSection& section = station.section;
-  const bool y = section.shear_factor_y != 0.0, z = section.shear_factor_z != 0.0;
-  const double product = y && z ? section.product_yz : 0.0;
-  return {section.area, section.inertia_y + section.inertia_z, section.centroid,
-          Eigen::Matrix2d{{y ? section.inertia_z : 0.0, product}, {product, z ? section.inertia_y : 0.0}}};
-}
-
-TaperedLine::LineMass TaperedLine::mass_beside_section(const BeamStation& station) {
-  return {station.nonstructural_mass, station.nonstructural_inertia, station.nonstructural_centre,
-          Eigen::Matrix2d::Zero()};
 }
 
 TaperedLine::Matrix12 TaperedLine::section_mass(MassKind kind) const { return mass(mass_of_section, kind); }

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "kalfem/model/mesh/properties.hpp"
+#include "kalfem/model/elements/line_mass.hpp"
 
 namespace kalfem {
 
@@ -14,17 +14,6 @@ BeamSection section_at(const BeamProperty& property, double place);
 BeamStation station_at(const std::vector<BeamStation>& stations, double place);
 /// Mean of the stations over the length, as a section with its nonstructural mass.
 BeamStation mean_station(const std::vector<BeamStation>& stations);
-
-/// A field of acceleration along the line of a beam, linear in space; local axes.
-struct LineField {
-  Eigen::Matrix<double, 3, 2> at_ends = Eigen::Matrix<double, 3, 2>::Zero();  ///< of the line [m/s^2]
-  Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();                         ///< [1/s^2]
-
-  /// At a share of the line from its first end, and a place in the section, local y and z [m].
-  [[nodiscard]] Eigen::Vector3d at(double share, const Eigen::Vector2d& place) const {
-    return (1.0 - share) * at_ends.col(0) + share * at_ends.col(1) + gradient.rightCols<2>() * place;
-  }
-};
 
 /// A straight beam of length L whose section is linear between its stations, in local axes and in the motions
 /// [u v w theta_x theta_y theta_z] of the ends of its line, the line of shear centres.
@@ -41,7 +30,6 @@ public:
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   using Matrix12 = Eigen::Matrix<double, 12, 12>;
   using Vector12 = Eigen::Matrix<double, 12, 1>;
-  using Rows = Eigen::Matrix<double, 6, 12>;
   using Slopes = Eigen::Matrix<double, 2, 12>;
 
   TaperedLine(const std::vector<BeamStation>& stations, double length, double poissons_ratio,
@@ -59,36 +47,23 @@ public:
 private:
   struct Point {
     BeamStation station;
-    double weight;  ///< of the integral over the length [m]
-    Rows motions;   ///< of the section, from those of the ends
-    Slopes slopes;  ///< v' and w'
+    double weight;           ///< of the integral over the length [m]
+    SectionMotions motions;  ///< of the section, from those of the ends
+    Slopes slopes;           ///< v' and w'
   };
   /// A part of the line in which no property more than doubles, from and to shares of the length.
   struct Part {
     double from, to;
   };
-  /// Mass on a line of the section.
-  struct LineMass {
-    double amount, polar;
-    Eigen::Vector2d place;
-    Eigen::Matrix2d rotary;
-  };
   using MassAt = LineMass (*)(const BeamStation&);
-  [[nodiscard]] static LineMass mass_of_section(const BeamStation& station);
-  [[nodiscard]] static LineMass mass_beside_section(const BeamStation& station);
-  using Motions = Eigen::Matrix<double, 3, 12>;
 
   [[nodiscard]] Matrix6 compliance(const BeamSection& section) const;
   [[nodiscard]] Matrix6 flexibility(double from, double to, double up_to) const;
-  void add_points(const Part& part, const Matrix6& before, const Rows& loads);
+  void add_points(const Part& part, const Matrix6& before, const SectionMotions& loads);
   [[nodiscard]] Matrix12 mass(MassAt mass_at, MassKind kind) const;
-  [[nodiscard]] Matrix12 consistent(MassAt mass_at) const;
-  [[nodiscard]] Matrix12 lumped(MassAt mass_at) const;
   [[nodiscard]] Vector12 forces(MassAt mass_at, MassKind kind, const LineField& field) const;
   /// What an end carries of a lumped mass, at its centre.
   [[nodiscard]] LineMass mass_of_end(MassAt mass_at, int end) const;
-  [[nodiscard]] static Motions motions_of_mass(const Point& point, const Eigen::Vector2d& place);
-  [[nodiscard]] static Motions motions_at_end(const Eigen::Vector2d& place, int end);
 
   const std::vector<BeamStation>& stations_;
   double length_, poissons_ratio_;
