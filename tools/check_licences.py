@@ -9,7 +9,7 @@ import pathlib
 import sys
 
 TAG = "SPDX-License-Identifier: Apache-2.0"
-COMMENT = {".cpp": "//", ".hpp": "//", ".h": "//", ".in": None, ".py": "#", ".cmake": "#", ".mjs": "//", ".js": "//", ".css": "/*"}
+COMMENT = {".cpp": "//", ".hpp": "//", ".py": "#", ".cmake": "#", ".mjs": "//", ".js": "//", ".css": "/*"}
 FOLDERS = ("apps", "benchmarks", "cmake", "examples", "python", "scripts", "src", "tests", "tools")
 FIRST_LINES = 3  # behind `#!` and an encoding
 

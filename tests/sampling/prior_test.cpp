@@ -105,8 +105,8 @@ TEST(Prior, SamplesHaveItsMomentsAndCorrelation) {
   EXPECT_NEAR(covariance(0, 1) / std::sqrt(covariance(0, 0) * covariance(1, 1)), -0.6, 4.0 * 0.64 / std::sqrt(count));
 }
 
-std::string complaint(const Named<MarginalPrior>& marginals, const Eigen::MatrixXd& of_scores = {}) {
-  const IssueList issues = validate(marginals, of_scores);
+std::string complaint(const Named<MarginalPrior>& given, const Eigen::MatrixXd& of_scores = {}) {
+  const IssueList issues = validate(given, of_scores);
   return issues.issues().size() == 1 ? to_string(issues.issues()[0])
                                      : std::to_string(issues.issues().size()) + " issues";
 }

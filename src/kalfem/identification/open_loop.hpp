@@ -10,6 +10,9 @@
 
 namespace kalfem {
 
+struct EstimationProblem;
+struct RecordEstimate;
+
 /// A structure that is simulated over a record without any correction by measurements.
 struct OpenLoopModel {
   const LocallyNonlinearSystem& system;
@@ -24,5 +27,9 @@ ConvergedSolution simulate_open_loop(const OpenLoopModel& model, const InitialSt
 /// Why the simulation cannot be compared with the record, in words; empty if it can. `what` is the clause that names
 /// the simulation: "the simulation with the estimates".
 std::string open_loop_failure(const ConvergedSolution& simulated, const Record& measured, const std::string& what);
+
+/// Simulates an estimation's record from its estimated parameters and initial state alone, and compares both. A
+/// diverging simulation is a result: the estimates do not describe the structure. `setup`: of the estimation.
+void set_open_loop(const EstimationProblem& problem, const AugmentedModelSetup& setup, RecordEstimate& estimate);
 
 }  // namespace kalfem

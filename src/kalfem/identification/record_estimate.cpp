@@ -33,14 +33,18 @@ double distance(const LinearUnknowns& unknowns, const VectorXd& values) {
 }
 
 /// Where linear unknowns ended far from the values at which the finite elements were reduced: reduces these there, with
-/// the substeps of the estimate, and answers again. The filter steps that this took.
+/// the substeps of the estimate, and answers again, where the budget allows that. The filter steps that this took.
 double renew_bases(const EstimationProblemPtr& problem, AugmentedModelSetup& setup, const Record& record,
-                   const RecordEstimateOptions& options, RecordEstimation& estimation) {
-  const RecordEstimate& estimate = estimation.estimate();
+                   const RecordEstimateOptions& options, StepBudget& budget, RecordEstimation& estimation) {
+  RecordEstimate& estimate = estimation.estimate();
   double steps = 0.0;
   while (!setup.linear_unknowns.bindings.empty() && estimate.reductions < most_reductions && !estimate.result.failure) {
     const VectorXd values = linear_estimates(estimate);
     if (distance(setup.linear_unknowns, values) < reduction_reach) break;
+    if (!budget.take(steps_of_run(*problem, record, estimate.substeps.substeps))) {
+      estimate.leave_out("finite elements reduced at the estimates");
+      break;
+    }
     IssueList issues;
     setup = make_augmented_model_setup(*problem, problem->structure->parts, {}, issues, values);
     issues.raise();
@@ -49,9 +53,9 @@ double renew_bases(const EstimationProblemPtr& problem, AugmentedModelSetup& set
         std::tuple(estimate.reductions + 1, estimate.second_thoughts, estimate.left_out);
     estimation = RecordEstimation(problem, setup, record, options);
     estimation.answer();
-    estimation.estimate().reductions = reductions;
-    estimation.estimate().second_thoughts = thoughts;
-    estimation.estimate().left_out = left_out;
+    estimate.reductions = reductions;
+    estimate.second_thoughts = thoughts;
+    estimate.left_out = left_out;
     steps += estimation.steps();
   }
   return steps;
@@ -104,13 +108,14 @@ RecordEstimate estimate_record_thoroughly(const EstimationProblemPtr& problem, A
   RecordEstimate& estimate = estimation.estimate();
   estimation.answer();
   if (!setup.linear_unknowns.bindings.empty()) estimate.reductions = 1;
-  const double steps = estimation.steps() + renew_bases(problem, setup, record, options, estimation);
+  StepBudget unlimited;
+  const double steps = estimation.steps() + renew_bases(problem, setup, record, options, unlimited, estimation);
   const double allowed = problem->settings.second_thoughts;
   StepBudget budget(allowed > 0.0 ? allowed * steps : 0.0);
   estimate.second_thoughts = allowed > 0.0 ? SecondThoughts::pending : SecondThoughts::none;
   if (options.on_first_answer) options.on_first_answer(estimate);
   estimation.settle_substeps(budget);
-  budget.take(renew_bases(problem, setup, record, options, estimation));
+  renew_bases(problem, setup, record, options, budget, estimation);
   estimation.look_for_jump(budget);
   estimation.study_process_noise(budget);
   if (estimate.second_thoughts == SecondThoughts::pending) estimate.second_thoughts = SecondThoughts::done;

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "kalfem/identification/estimated_open_loop.hpp"
+#include "kalfem/identification/open_loop.hpp"
 #include "kalfem/identification/refined_filter.hpp"
 #include "kalfem/identification/robust_deviations.hpp"
 
@@ -17,8 +17,6 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// A filter that fails with the first substeps is tried once with so many times more.
-constexpr int rescue = 4;
 /// Of a sample interval in the search for a jump: what finer steps add is smaller than the jumps that are told.
 constexpr int most_jump_substeps = 8;
 
@@ -137,7 +135,8 @@ void RecordEstimation::correct() {
 
 /// With the substeps that are given, those decided before, or the first ones to try.
 void RecordEstimation::run_first() {
-  SubstepChoice choice{.substeps = SubstepOptions{}.first, .chosen = true};
+  const SubstepOptions options;
+  SubstepChoice choice{.substeps = options.first, .chosen = true};
   const auto& given = problem_->settings.substeps;
   if (given) choice = {.substeps = *given, .words = "given"};
   if (!given && setup_.substeps) choice = *setup_.substeps;
@@ -148,11 +147,11 @@ void RecordEstimation::run_first() {
   FilteredRecord filtered = screen(choice.substeps);
   if (filtered.result.failure && !given && !setup_.substeps) {
     const Screening coarse = *screening_;
-    FilteredRecord finer = screen(rescue * choice.substeps);
+    FilteredRecord finer = screen(options.rescue * choice.substeps);
     if (finer.result.failure) {
       screening_ = coarse;
     } else {
-      choice.substeps *= rescue;
+      choice.substeps *= options.rescue;
       filtered = std::move(finer);
     }
   }
@@ -172,12 +171,7 @@ void RecordEstimation::settle_substeps(StepBudget& budget) {
   }
   FilteredRecord finer = screening_->run(choice.substeps);
   if (!finer.result.failure) return evaluate(std::move(finer), std::move(choice));
-  const double ratio = static_cast<double>(choice.substeps) / first.substeps;
-  choice.words = "because the filter failed with " + std::to_string(choice.substeps);
-  choice.bias *= ratio * ratio;
-  choice.substeps = first.substeps;
-  choice.limited = true;
-  estimate_.substeps = std::move(choice);
+  estimate_.substeps = kept_at_first(std::move(choice), first.substeps);
 }
 
 /// The run of the estimate, with fewer substeps where it has many.

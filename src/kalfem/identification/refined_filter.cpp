@@ -12,9 +12,6 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// A filter that fails with the first substeps is tried once with so many times more.
-constexpr int rescue = 4;
-
 /// What of a run the choice of substeps needs.
 struct Estimates {
   int substeps = 0;
@@ -193,6 +190,14 @@ SubstepChoice choose_substeps(const EstimationProblemPtr& problem, const Augment
   return choice;
 }
 
+SubstepChoice kept_at_first(SubstepChoice choice, int first) {
+  choice.words = "because the filter failed with " + std::to_string(choice.substeps);
+  choice.bias *= square_of_ratio(choice.substeps, first);
+  choice.substeps = first;
+  choice.limited = true;
+  return choice;
+}
+
 RefinedFilter run_refined_filter(const EstimationProblemPtr& problem, AugmentedModelSetup setup, const Record& record,
                                  const EstimationOptions& options, const SubstepOptions& substeps) {
   if (const auto given = problem->settings.substeps)
@@ -200,10 +205,11 @@ RefinedFilter run_refined_filter(const EstimationProblemPtr& problem, AugmentedM
   if (setup.substeps) return run_with(problem, setup, record, options, *setup.substeps);
   auto first = run_with(problem, setup, record, options, {.substeps = substeps.first, .chosen = true});
   if (first.filtered.result.failure) {
-    auto finer = run_with(problem, setup, record, options, {.substeps = rescue * substeps.first, .chosen = true});
+    auto finer =
+        run_with(problem, setup, record, options, {.substeps = substeps.rescue * substeps.first, .chosen = true});
     if (finer.filtered.result.failure) return first;
     SubstepOptions from_there = substeps;
-    from_there.first = rescue * substeps.first;
+    from_there.first = substeps.rescue * substeps.first;
     return run_refined_filter(problem, std::move(setup), record, options, from_there);
   }
   setup.starts_at_rest = !first.filtered.run.start.moving;
@@ -215,11 +221,7 @@ RefinedFilter run_refined_filter(const EstimationProblemPtr& problem, AugmentedM
   if (choice.substeps == first.substeps.substeps) return {std::move(first.filtered), std::move(choice)};
   auto last = run_with(problem, setup, record, options, choice);
   if (!last.filtered.result.failure) return last;
-  choice.words = "because the filter failed with " + std::to_string(choice.substeps);
-  choice.bias *= square_of_ratio(choice.substeps, first.substeps.substeps);
-  choice.substeps = first.substeps.substeps;
-  choice.limited = true;
-  return {std::move(first.filtered), std::move(choice)};
+  return {std::move(first.filtered), kept_at_first(std::move(choice), first.substeps.substeps)};
 }
 
 }  // namespace kalfem

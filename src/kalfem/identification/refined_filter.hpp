@@ -10,6 +10,7 @@ struct SubstepOptions {
   double largest_bias = 0.2;  ///< of an unknown's estimate, in its standard deviations
   int first = 4;              ///< substeps of the first run
   int most = 128;
+  int rescue = 4;  ///< a filter that fails with the first substeps is tried once with so many times more
   double most_input_values = 1e8;  ///< numbers of the inputs at all substeps of the record
 };
 
@@ -31,6 +32,9 @@ SubstepChoice compare_with_half(const EstimationProblemPtr& problem, const Augme
 SubstepChoice choose_substeps(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
                               const Record& record, const EstimationOptions& options, const EstimationResult& first,
                               SubstepChoice compared, StepBudget& budget, const SubstepOptions& substeps = {});
+
+/// The choice where the filter failed with the substeps of `choice`, and those of `first` are kept.
+SubstepChoice kept_at_first(SubstepChoice choice, int first);
 
 /// A run of the filter, and the substeps it was made with.
 struct RefinedFilter {

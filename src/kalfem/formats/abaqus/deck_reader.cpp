@@ -26,7 +26,7 @@ bool is_passed_over(KeywordUse use) {
 class DeckReader {
 public:
   DeckReader(DeckLines& lines, bool load_cases, DeckNotes& notes, Problems& problems)
-      : lines_(lines), notes_(notes), problems_(problems), mesh_(deck_, lines, notes, problems) {
+      : lines_(lines), notes_(notes), problems_(problems), mesh_(deck_, lines, problems) {
     deck_.load_cases = load_cases;
   }
 

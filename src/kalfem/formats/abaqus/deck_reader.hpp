@@ -18,8 +18,7 @@ RawDeck read_deck(DeckLines& lines, bool load_cases, DeckNotes& notes, Problems&
 /// Adds the data of *NODE, *ELEMENT, *NSET and *ELSET to a scope.
 class MeshReader {
 public:
-  MeshReader(RawDeck& deck, DeckLines& lines, DeckNotes& notes, Problems& problems)
-      : deck_(deck), lines_(lines), notes_(notes), problems_(problems) {}
+  MeshReader(RawDeck& deck, DeckLines& lines, Problems& problems) : deck_(deck), lines_(lines), problems_(problems) {}
 
   void read_system();  ///< *SYSTEM: the axes of the nodes that follow
   void forget_system() { system_ = Eigen::Isometry3d::Identity(); }
@@ -38,7 +37,6 @@ private:
 
   RawDeck& deck_;
   DeckLines& lines_;
-  DeckNotes& notes_;
   Problems& problems_;
   Eigen::Isometry3d system_ = Eigen::Isometry3d::Identity();
 };
