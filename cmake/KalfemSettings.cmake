@@ -74,11 +74,11 @@ target_compile_definitions(kalfem_flags INTERFACE $<INSTALL_INTERFACE:EIGEN_MAX_
 
 add_library(kalfem_private_flags INTERFACE)
 target_compile_options(kalfem_private_flags INTERFACE -Wall -Wextra -Wpedantic -Wno-deprecated-enum-enum-conversion -Wno-uninitialized
+                       -Wno-psabi  # lanes of eight numbers never leave the file that makes them
                        -fno-math-errno -fPIC)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")  # what it takes for certain in Eigen's inlined loops
   target_compile_options(kalfem_private_flags INTERFACE -Wno-maybe-uninitialized -Wno-stringop-overflow -Wno-array-bounds -Wno-restrict
-                         -Wno-stringop-overread
-                         -Wno-psabi)  # lanes of eight numbers never leave the file that makes them
+                         -Wno-stringop-overread)
 elseif(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
   # Some laws' loops have branches that cannot run side by side. Without a time in them, precompiled headers of one content
   # are one to ccache.
