@@ -8,13 +8,12 @@
 #include <sstream>
 #include <string_view>
 
-#include <unistd.h>
-
 #include "console.hpp"
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/freed_memory.hpp"
 #include "kalfem/base/version.hpp"
 #include "kalfem/formats/deck.hpp"
+#include "little_memory.hpp"
 #include "ranks.hpp"
 #include "verbs.hpp"
 
@@ -131,22 +130,6 @@ command::ExitCode execute(const CLI::App& app, Arguments& arguments) {
   return command::run(arguments.run, Step::everything);
 }
 
-constexpr std::string_view no_memory =
-    "kalfem: not enough memory: the input, or what is computed from it, is larger than the memory that is available "
-    "(free memory, ulimit -v); use a smaller file or a coarser model\n";
-
-/// Memory may also end where nothing can be thrown on: in a destructor, or in a thread of a library.
-[[noreturn]] void end_without_memory() {
-  try {
-    if (const auto thrown = std::current_exception()) std::rethrow_exception(thrown);
-  } catch (const std::bad_alloc&) {
-    if (write(STDERR_FILENO, no_memory.data(), no_memory.size()) >= 0) _exit(command::mend_the_input);
-  } catch (...) {
-    std::abort();
-  }
-  std::abort();
-}
-
 /// Runs a part of the command; what it throws becomes a message and an exit code.
 template <class Part>
 int guarded(const Part& part) {
@@ -163,7 +146,7 @@ int guarded(const Part& part) {
     command::print_error("{}\n", error.what());
     return command::mend_the_input;
   } catch (const std::bad_alloc&) {
-    command::print_error_text(no_memory);
+    command::print_error_text(command::no_memory);
     return command::mend_the_input;
   } catch (const std::exception& error) {
     command::print_error("kalfem: internal error: {}\n", error.what());
@@ -289,8 +272,10 @@ int parse_and_execute(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   command::prepare_streams();
-  std::set_terminate(end_without_memory);
   keep_freed_memory();
   command::listen_to_signals();
-  return guarded([&] { return command::on_ranks(argc, argv, [&] { return parse_and_execute(argc, argv); }); });
+  return guarded([&] {
+    const command::LittleMemory little_memory;
+    return command::on_ranks(argc, argv, [&] { return parse_and_execute(argc, argv); });
+  });
 }

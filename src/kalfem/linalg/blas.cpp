@@ -5,7 +5,10 @@
 #include <array>
 #include <cctype>
 #include <mutex>
+#include <new>
 #include <string_view>
+
+#include <sys/mman.h>
 
 // Declared weak, so that a BLAS library without them links as well.
 extern "C" {
@@ -13,6 +16,7 @@ extern "C" {
 [[gnu::weak]] int openblas_get_num_threads();
 [[gnu::weak]] void omp_set_max_active_levels(int levels);
 [[gnu::weak]] int omp_get_max_active_levels();
+void dpotrf_(const char* triangle, const int* order, double* matrix, const int* leading, int* failed);
 }
 
 namespace kalfem {
@@ -32,6 +36,17 @@ OneOpenMpThread::OneOpenMpThread() {
 
 OneOpenMpThread::~OneOpenMpThread() {
   if (omp_set_max_active_levels != nullptr) omp_set_max_active_levels(levels_);
+}
+
+void take_blas_buffer() {
+  constexpr std::size_t room = 160 << 20;
+  void* probe = mmap(nullptr, room, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (probe == MAP_FAILED) throw std::bad_alloc();
+  munmap(probe, room);
+  const int order = 1;
+  double matrix = 1.0;
+  int failed = 0;
+  dpotrf_("L", &order, &matrix, &order, &failed);
 }
 
 int blas_threads() { return openblas_get_num_threads != nullptr ? openblas_get_num_threads() : 0; }

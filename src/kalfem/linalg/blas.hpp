@@ -14,6 +14,10 @@ namespace kalfem {
 /// its own may set them again after its first factorisation. Libraries other than OpenBLAS are left as they are.
 void keep_blas_to_one_thread();
 
+/// Lets BLAS take the buffer of this thread now. OpenBLAS maps 128 MB at the first product of a thread, and where
+/// `ulimit -v` leaves no room it tries again for ever. Throws std::bad_alloc where there is none now.
+void take_blas_buffer();
+
 /// Threads that BLAS works with; 0 where the library is not OpenBLAS.
 int blas_threads();
 
