@@ -10,7 +10,7 @@ import kalfem as kf
 
 def frame_on_mount(k3):
     nodes = {"left": 5, "seat": 11, "right": 13}  # by their numbers in the deck
-    frame = kf.read_deck("examples/cpp/frame.bdf", name="frame", nodes=nodes)
+    frame = kf.read_deck("examples/cpp/frame.bdf", name="frame", nodes=nodes, mass_matrix="consistent")
     s = kf.Structure()
     s.add(frame.modal_damping(0.01, up_to=1000.0).reduce(up_to=200.0, boundary=list(nodes)))
     s.connect("mount", "frame.seat.z", "ground", law="k*x + k3*x^3 + c*v", parameters=dict(k=2e4, k3=k3, c=10.0))

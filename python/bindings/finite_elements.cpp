@@ -52,11 +52,19 @@ void name_node(FiniteElements& elements, const std::string& name, const py::hand
   elements.node(name, Eigen::Vector3d(place));
 }
 
+MassKind mass_kind_named(const std::string& name) {
+  if (name == "consistent") return MassKind::consistent;
+  if (name == "lumped") return MassKind::lumped;
+  throw InvalidInput("mass_matrix: '" + name + "' is given" + did_you_mean(name, {"consistent", "lumped"}), "",
+                     "give consistent or lumped, or None for what the deck says");
+}
+
 /// What reading a deck gives: the substructure, and the notes of the reader.
 FiniteElements read(const std::filesystem::path& file, const std::string& units, const py::object& name,
-                    const py::dict& nodes, const std::vector<std::string>& accept,
-                    std::optional<std::int64_t> subcase) {
+                    const py::dict& nodes, const std::vector<std::string>& accept, std::optional<std::int64_t> subcase,
+                    const std::optional<std::string>& mass_matrix) {
   Deck deck = read_deck(file, {.subcase = subcase});
+  if (mass_matrix) deck.model.mass_kind = mass_kind_named(*mass_matrix);
   IssueList issues;
   accept_missing(deck.notes, accept, issues);
   issues.raise();
@@ -244,6 +252,7 @@ fields : dict of str to array, shape (components, nodes)
   module.def("read_deck", &read, py::arg("file"), py::kw_only(), py::arg("units") = "m kg s",
              py::arg("name") = py::none(), py::arg("nodes") = py::dict(),
              py::arg("accept") = std::vector<std::string>{}, py::arg("subcase") = py::none(),
+             py::arg("mass_matrix") = py::none(),
              R"(Read a finite-element model of Nastran (.bdf) or of Abaqus and CalculiX (.inp).
 
 Parameters
@@ -260,6 +269,9 @@ accept : list of str
 subcase : int, optional
     SUBCASE of a Nastran deck whose structure is meant. A preload that the deck states (STATSUB, a static step before a
     perturbation) is part of the stiffness, as the matrices "preload".
+mass_matrix : {"consistent", "lumped"}, optional
+    In the place of what the deck says. Lumped beams of Nastran have no mass at their rotations; a simulation of the
+    full model needs one there.
 )");
   module.def("deck_notes", &notes_of, py::arg("file"),
              "What a deck holds and the model does not use: tuples of kind, what, consequence, count and place.");

@@ -1,7 +1,7 @@
 """Types of the compiled module. What is public stands in the package `kalfem`."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -104,6 +104,7 @@ def read_deck(
     nodes: Mapping[str, int | Sequence[float]] = ...,
     accept: Sequence[str] = ...,
     subcase: int | None = ...,
+    mass_matrix: Literal["consistent", "lumped"] | None = ...,
 ) -> FiniteElements: ...
 def deck_notes(file: Any) -> list[tuple[str, str, str, int, str]]: ...
 

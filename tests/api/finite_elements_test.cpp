@@ -43,6 +43,23 @@ TEST(FiniteElementParts, CarryConnectorsAndUnknowns) {
   EXPECT_LT(result.parameters[1].std, 1e-3 * 210e9);
 }
 
+/// Without mass at its rotations a beam would stand as if these were held, 20 times too stiff.
+TEST(FiniteElementParts, AreNotSimulatedWithoutMass) {
+  const auto pushed = [](MassKind kind) {
+    FiniteElementModel model = cantilever().model();
+    model.mass_kind = kind;
+    std::get<BeamProperty>(model.properties.at("bar")).lumped_inertia = LumpedInertia::none;
+    Structure s;
+    s.add(FiniteElements("beam", model).node("root", 1).node("tip", 11).fix("root"));
+    s.force("push", "beam.tip.z", {Eigen::VectorXd::Constant(101, 1.0), 500.0});
+    const auto data = simulate(s, {.sensors = {{"tip", displacement("beam.tip.z"), 1e-9}}, .duration = 0.2});
+    return data.record.values.row(0).mean();
+  };
+  const double inertia = 0.02 * std::pow(0.01, 3) / 12.0, bent = 1.0 / (3.0 * 210e9 * inertia);  // of 1 m
+  EXPECT_NEAR(pushed(MassKind::consistent), bent, 0.1 * bent);  // it swings about its static deflection
+  EXPECT_THAT(refusal_of([&] { pushed(MassKind::lumped); }), HasSubstr("have no mass"));
+}
+
 // A unit force bends the cantilever: epsilon = -z F (L - x) / E I, at the middle of the third element.
 TEST(FiniteElementParts, CarryStrainGauges) {
   const auto with_gauge = [](std::int64_t element) {

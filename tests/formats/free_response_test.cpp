@@ -9,6 +9,7 @@
 
 #include "formats/measured_record.hpp"
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/records/isolated_values.hpp"
 #include "kalfem/records/local_polynomial.hpp"
 
 namespace kalfem {
@@ -93,6 +94,45 @@ TEST(FindRest, SaysNothingWhileTheMotionGoesOn) {
   auto record = free_response();
   record.values = record.values.leftCols(900).eval();
   EXPECT_FALSE(find_rest(record, 260));
+}
+
+/// Wherever one sample is wrong, and by however much, release and rest are those of the record without it.
+TEST(FreeResponse, OneSpikeAnywhereDecidesNothing) {
+  const auto clean = find_free_response(free_response());
+  ASSERT_TRUE(clean && clean->rest);
+  for (const Index sample : {0, 1, 3, 20, 49, 120, 248, 260, 700, 1200, 1300, 1500, 1800, 1998, 1999})
+    for (const double size : {1e-3, -0.01, 0.2, 1e6}) {
+      auto record = free_response();
+      record.values(0, sample) += size;
+      const auto times = find_free_response(record);
+      ASSERT_TRUE(times && times->rest) << sample << ", " << size;
+      // As many samples in a row as the rule asks for: a spike among them may put the release behind itself.
+      EXPECT_NEAR(times->release.time, clean->release.time, 5.0 / rate) << sample << ", " << size;
+      EXPECT_NEAR(times->release.position[0], 0.040, 3e-6) << sample << ", " << size;
+      EXPECT_NEAR(times->rest->motion_end_time, clean->rest->motion_end_time, 0.02) << sample << ", " << size;
+      EXPECT_NEAR(times->rest->position[0], 0.005, 3e-6) << sample << ", " << size;
+    }
+}
+
+TEST(IsolatedValues, AreSpikesAlone) {
+  Record record = free_response();
+  EXPECT_EQ(without_isolated_values(record.values), record.values);
+  record.values(0, 700) += 0.01;
+  record.values.row(0).segment(1900, 2).array() -= 0.01;
+  const Eigen::MatrixXd kept = without_isolated_values(record.values);
+  for (const Index sample : {700, 1900, 1901}) EXPECT_TRUE(std::isnan(kept(0, sample))) << sample;
+  EXPECT_EQ(kept.array().isNaN().count(), 3);
+}
+
+/// A step, a coarsely digitised channel and a sine of six samples a period are no spikes.
+TEST(IsolatedValues, AreNotWhatTheNeighboursDo) {
+  Eigen::MatrixXd values(3, 300);
+  for (Index k = 0; k < 300; ++k) {
+    values(0, k) = k < 100 ? 0.0 : 1.0;
+    values(1, k) = std::round(3.0 * std::sin(0.02 * static_cast<double>(k)));
+    values(2, k) = std::sin(2.0 * M_PI * static_cast<double>(k) / 6.0);
+  }
+  EXPECT_EQ(without_isolated_values(values), values);
 }
 
 TEST(FreeResponse, RefusesOptionsOutOfRange) {

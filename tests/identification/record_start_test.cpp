@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "identification/chain_structure.hpp"
+#include "kalfem/identification/record_estimate.hpp"
 #include "kalfem/identification/refined_filter.hpp"
 
 // What a filter assumes of the motion at a record's first sample.
@@ -86,6 +87,43 @@ TEST(RecordStart, AStructureAtRestIsCertainlyAtRest) {
   EXPECT_FALSE(silent.run.start.moving);
   EXPECT_EQ(silent.run.choice.augmented_model->options().prior.motion_covariance.size(), 0);
   EXPECT_EQ(silent.result.unknowns.mean, said.result.unknowns.mean);
+}
+
+/// The record with one value of the first samples wrong by so many times the noise.
+Record with_spike(Eigen::Index channel, Eigen::Index sample, double deviations) {
+  Record record = whole_record();
+  record.values(channel, sample) += deviations * record.channels[static_cast<std::size_t>(channel)].noise;
+  return record;
+}
+
+TEST(RecordStart, OneSpikeAmongTheFirstSamplesIsNoMotion) {
+  for (const Eigen::Index channel : {0, 2})
+    for (const Eigen::Index sample : {0, 3, 9})
+      for (const double size : {-8.0, 20.0, 1e4}) {
+        const auto problem = shared(silent_problem());
+        IssueList issues;
+        const auto setup = make_augmented_model_setup(*problem, problem->structure->parts, {}, issues);
+        issues.raise();
+        const auto run = make_filter_run(problem, setup, with_spike(channel, sample, size));
+        EXPECT_FALSE(run.start.moving) << channel << ", " << sample << ", " << size;
+      }
+}
+
+/// Two spikes in a row in each channel look like a motion: then the run from rest, which the record fits, is kept.
+TEST(RecordStart, RestIsTriedWhereAMovingStartContradictsItself) {
+  Record record = whole_record();
+  for (Eigen::Index channel = 0; channel < record.values.rows(); ++channel)
+    for (const Eigen::Index sample : {2, 3, 4, 5}) {
+      const double noise = record.channels[static_cast<std::size_t>(channel)].noise;
+      record.values(channel, sample) += (channel % 2 == 0 ? 25.0 : -25.0) * noise;
+    }
+  const auto problem = shared(silent_problem());
+  IssueList issues;
+  const auto setup = make_augmented_model_setup(*problem, problem->structure->parts, {}, issues);
+  issues.raise();
+  const RecordEstimate estimate = estimate_record(problem, setup, record, {});
+  ASSERT_FALSE(estimate.result.failure);
+  EXPECT_LT(errors_of(estimate.result).maxCoeff(), 3.5) << errors_of(estimate.result).transpose();
 }
 
 /// The deviations are of the motion's own size: not less than what is there, nor a hundred times more.

@@ -240,6 +240,35 @@ def test_a_deck_becomes_a_substructure(tmp_path):
         kf.read_deck(bar(tmp_path), units="furlong t s")
 
 
+LUMPED = """BEGIN BULK
+GRID,1,,0.,0.,0.
+GRID,2,,.5,0.,0.
+GRID,3,,1.,0.,0.
+CBAR,1,1,1,2,0.,1.,0.
+CBAR,2,1,2,3,0.,1.,0.
+PBAR,1,1,4.-4,1.3333-8,1.3333-8,2.25-8
+MAT1,1,2.1+11,,.3,7850.
+SPC1,1,123456,1
+ENDDATA
+"""
+
+
+def test_rotations_without_mass_are_refused_or_given_mass(tmp_path):
+    (tmp_path / "bar.bdf").write_text(LUMPED)
+
+    def deflection(**mass):
+        s = kf.Structure().add(kf.read_deck(tmp_path / "bar.bdf", nodes={"tip": 3}, **mass)).force("push", "bar.tip.z")
+        t = np.arange(2001) / 2000.0
+        sensors = {"tip": kf.displacement("bar.tip.z")}
+        return kf.simulate(s, t, sensors=sensors, inputs={"push": np.ones_like(t)}, progress=False)["tip"].mean()
+
+    with pytest.raises(kf.InvalidInput, match="have no mass"):
+        deflection()
+    assert deflection(mass_matrix="consistent") == pytest.approx(1 / (3 * 2.1e11 * 1.3333e-8), rel=0.05)  # F L^3 / 3 E I
+    with pytest.raises(kf.InvalidInput, match="did you mean 'lumped'"):
+        deflection(mass_matrix="lumpd")
+
+
 def test_a_gauge_measures_the_strain_of_its_element(tmp_path):
     frame = kf.read_deck(bar(tmp_path), units="mm t s").fix("foot")
     s = kf.Structure().add(frame.gauge("g", 2).rayleigh_damping(0, 1e-4)).force("pull", "bar.tip.x")

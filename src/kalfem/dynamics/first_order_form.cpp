@@ -42,6 +42,22 @@ void check(const std::vector<InputTreatment>& treatments, Index inputs, std::siz
   issues.raise();
 }
 
+/// A degree of freedom without mass has no acceleration: the factor's solution would hold it without a word.
+void require_mass(const LocallyNonlinearSystem& system, const Eigen::LDLT<MatrixXd>& factor) {
+  if (factor.info() == Eigen::Success && (factor.vectorD().array() > 0.0).all()) return;
+  const Eigen::VectorXd mass = system.mass.diagonal();
+  Index least = 0;
+  if (mass.size() > 0) mass.minCoeff(&least);
+  const auto place = static_cast<std::size_t>(least);
+  const std::string name = place < system.dofs.size() ? ": '" + system.dofs[place] + "' has the least" : "";
+  const Index without = (mass.array() <= 0.0).count();
+  throw InvalidInput(without > 0 ? std::to_string(without) + " degrees of freedom have no mass" + name
+                                 : "the mass matrix is not positive definite" + name,
+                     "exact time steps need a mass at every degree of freedom",
+                     "give them mass (where the lumped beams of a deck have none at their rotations, take consistent "
+                     "mass matrices), or take a reduced model");
+}
+
 }  // namespace
 
 Index InputTreatment::states() const {
@@ -97,6 +113,7 @@ FirstOrderForm FirstOrderForm::in_coordinates(const BlockDiagonalForm& coordinat
 /// z'' = M^-1 (P u - C z' - K z - B f) and the rows of z and z' in A, G, B.
 void FirstOrderForm::set_mechanics(const LocallyNonlinearSystem& system) {
   const Eigen::LDLT<MatrixXd> mass{MatrixXd(system.mass)};
+  require_mass(system, mass);
   acceleration_ = zero_output(n_, dynamics_.cols(), 3 * n_u_, m_);
   acceleration_.state.leftCols(n_) = -mass.solve(MatrixXd(system.stiffness));
   acceleration_.state.middleCols(n_, n_) = -mass.solve(system.full_damping());

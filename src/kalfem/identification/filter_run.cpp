@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "kalfem/base/parallel.hpp"
+#include "kalfem/records/isolated_values.hpp"
 #include "kalfem/records/local_polynomial.hpp"
 
 namespace kalfem {
@@ -72,6 +73,15 @@ double rest_deviation(const AugmentedModelOptions& options, std::size_t sensor) 
   return 0.0;
 }
 
+/// The first samples without spikes: so many that each channel has samples_at_start.
+MatrixXd first_values(const MatrixXd& values) {
+  const MatrixXd kept = without_isolated_values(values);
+  const auto fewest = [&](Index count) { return kept.leftCols(count).array().isFinite().rowwise().count().minCoeff(); };
+  Index count = std::min(samples_at_start, kept.cols());
+  while (kept.rows() > 0 && count < kept.cols() && fewest(count) < samples_at_start) ++count;
+  return kept.leftCols(count);
+}
+
 /// Displacements and velocities at the first sample, least squares from the displacement sensors, what these see of
 /// moving grounds taken off. Displacements are no better known than the rest positions that they are measured from.
 /// `inputs`: [r; r'; r''] there.
@@ -88,11 +98,8 @@ void set_start_from_record(const AugmentedModelSetup& setup, const Record& recor
     of_rest.push_back(rest_deviation(setup.options, i));
   }
   const OutputMap map = make_outputs(*setup.model, outputs);
-  const Record seen{record.sample_rate,
-                    record.start,
-                    {},
-                    record.values(rows, Eigen::seqN(0, std::min(samples_at_start, record.samples())))};
-  const double reach = static_cast<double>(samples_at_start - 1) / record.sample_rate;
+  const Record seen{record.sample_rate, record.start, {}, first_values(record.values(rows, Eigen::all))};
+  const double reach = static_cast<double>(seen.samples() - 1) / record.sample_rate;
   const auto motion = local_motion(seen, 0, {.half_window = reach, .degree = 2});
   const MatrixXd inverse = MatrixXd(map.displacement).completeOrthogonalDecomposition().pseudoInverse();
   const Index n_u = inputs.size() / 3;

@@ -63,6 +63,24 @@ void add_uncertainty(const LikelihoodEstimate& likelihood, RecordEstimate& estim
   }
 }
 
+/// Whether the structure is taken to move at the first sample because of the first samples alone.
+bool start_is_read_off(const RecordStart& start, const AugmentedModelSetup& setup, const Record& record,
+                       const EstimationSettings& settings) {
+  return start.moving && !setup.starts_at_rest && record.start <= 0.0 && !states_initial_motion(settings);
+}
+
+/// Per measured value, of the samples that count.
+double mean_nis_of(const EstimationResult& result) {
+  const auto there = result.nis.array().isFinite();
+  const double values = there.select(result.measured.cast<double>().array(), 0.0).sum();
+  return there.select(result.nis.array(), 0.0).sum() / std::max(1.0, values);
+}
+
+bool contradicts_itself(const EstimationResult& result) {
+  constexpr double much = 2.0;  // times what is expected
+  return result.failure.has_value() || mean_nis_of(result) > much;
+}
+
 /// A change of an unknown as an event of the record.
 SensorEvent event_of(const RecordEstimate& estimate, const ParameterJump& jump) {
   const auto& unknown = estimate.augmented_model->options().unknowns[static_cast<std::size_t>(jump.unknown)];
@@ -155,7 +173,24 @@ void RecordEstimation::run_first() {
       filtered = std::move(finer);
     }
   }
+  if (start_is_read_off(filtered.run.start, setup_, record_, problem_->settings) && contradicts_itself(filtered.result))
+    try_rest(filtered, choice.substeps);
   evaluate(std::move(filtered), std::move(choice));
+}
+
+/// The filter from rest, which stays where it contradicts itself far less.
+void RecordEstimation::try_rest(FilteredRecord& filtered, int substeps) {
+  AugmentedModelSetup from_rest = setup_;
+  from_rest.starts_at_rest = true;
+  Screening screening(problem_, from_rest, record_, filter_options(*problem_, setup_, options_));
+  FilteredRecord at_rest = screening.run(substeps);
+  const bool better = !at_rest.result.failure &&
+                      (filtered.result.failure || mean_nis_of(at_rest.result) < 0.5 * mean_nis_of(filtered.result));
+  other_steps_ += better ? screening_->steps() : screening.steps();
+  if (!better) return;
+  setup_ = std::move(from_rest);
+  screening_ = std::move(screening);
+  filtered = std::move(at_rest);
 }
 
 void RecordEstimation::settle_substeps(StepBudget& budget) {
@@ -216,6 +251,7 @@ void RecordEstimation::evaluate(FilteredRecord filtered, SubstepChoice substeps)
   if (settings.smooth && !filtered.result.failure)
     smoothed = smooth(*filtered.run.choice.augmented_model, filtered.run.input, of_filter, filtered.result);
   auto events = screening_->events(filtered.result);
+  Record measurements = without(filtered.run.input.measured, events);
   RecordEstimate estimate{.filter = filtered.run.choice.filter,
                           .filter_reason = filtered.run.choice.reason,
                           .attempts = std::move(filtered.attempts),
@@ -223,7 +259,7 @@ void RecordEstimation::evaluate(FilteredRecord filtered, SubstepChoice substeps)
                           .start = filtered.run.start,
                           .augmented_model = filtered.augmented_model(),
                           .result = std::move(filtered.result),
-                          .measurements = without(filtered.run.input.measured, events),
+                          .measurements = std::move(measurements),
                           .outliers = of_filter.outliers.treatment,
                           .held_out = of_filter.held_out,
                           .events = std::move(events)};

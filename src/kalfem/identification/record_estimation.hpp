@@ -11,7 +11,8 @@ namespace kalfem {
 /// One estimation from a record, part by part; estimate() holds what is known so far:
 ///
 /// 1. answer(): the likelihood unknowns, the filter over the record without the samples of faulty sensors, and a run
-///    with half of its substeps, which tells what these leave in the estimates.
+///    with half of its substeps, which tells what these leave in the estimates. Where the first samples alone say that
+///    the structure moves and the run contradicts itself, it is run from rest, too.
 /// 2. settle_substeps(): as many more substeps as that bias asks for.
 /// 3. look_for_jump(): an unknown that is not constant.
 ///
@@ -32,6 +33,7 @@ public:
 private:
   void correct();
   void run_first();
+  void try_rest(FilteredRecord& filtered, int substeps);
   void evaluate(FilteredRecord filtered, SubstepChoice substeps);
   [[nodiscard]] FilterRun coarse_run() const;
 

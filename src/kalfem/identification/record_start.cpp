@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
+#include <limits>
 #include <numbers>
 #include <sstream>
 
+#include "kalfem/records/isolated_values.hpp"
 #include "kalfem/records/spectrum.hpp"
 #include "kalfem/statistics/quantiles.hpp"
 
@@ -21,6 +23,8 @@ namespace {
 constexpr Index first_samples = 10;           ///< of a record, that show whether it starts at rest
 constexpr double certain = 1.0 - 1e-6;        ///< probability of a smaller NIS at rest
 constexpr double large_nis = 4.0;             ///< per channel
+constexpr Index samples_for_a_spike = 5;      ///< of so many first samples of a channel one may be a spike
+constexpr double large_ratio = 4.0;           ///< innovation over its deviation: a spike, or a motion
 constexpr double large_innovation = 0.3;      ///< of the channel's size: more than a model's error at the first steps
 constexpr double margin = 2.0;                ///< of a mode's deviation over its size in the record
 constexpr double band = std::numbers::sqrt2;  ///< a mode answers to what is below so many times its frequency
@@ -195,6 +199,46 @@ private:
   VectorXd frequencies_;  ///< [rad/s]
 };
 
+/// Root mean square of each channel, without its spikes.
+VectorXd sizes_of(const MatrixXd& values) {
+  const MatrixXd kept = without_isolated_values(values);
+  VectorXd sizes(values.rows());
+  for (Index j = 0; j < sizes.size(); ++j) sizes[j] = rms_of_present(kept.row(j).transpose());
+  return sizes;
+}
+
+/// Whether these are innovations of a filter that is right to be sure of rest.
+bool looks_like_rest(const EstimationResult& result, const VectorXd& sizes) {
+  if (result.failure) return false;
+  double sum = 0.0, degrees = 0.0, largest = 0.0;
+  for (Index k = 0; k < result.nis.size(); ++k) {
+    if (!std::isfinite(result.nis[k])) continue;
+    sum += result.nis[k];
+    degrees += result.measured[k];
+  }
+  for (Index j = 0; j < sizes.size(); ++j) {
+    const auto innovation = result.innovation.row(j).array().abs();
+    if (sizes[j] > 0.0)
+      largest = std::max(largest, innovation.isFinite().select(innovation, 0.0).maxCoeff() / sizes[j]);
+  }
+  return largest <= large_innovation || degrees == 0.0 || sum <= large_nis * degrees ||
+         sum <= chi_squared_quantile(certain, degrees);
+}
+
+/// Takes the value that is furthest from its prediction out of each channel where that is beyond any noise.
+void set_largest_aside(const EstimationResult& result, MatrixXd& values) {
+  const Index computed = std::min(result.innovation.cols(), values.cols());
+  for (Index j = 0; j < values.rows(); ++j) {
+    const auto ratio =
+        (result.innovation.row(j).head(computed).array() / result.innovation_deviation.row(j).head(computed).array())
+            .abs()
+            .eval();
+    Index at = 0;
+    const double furthest = ratio.isFinite().select(ratio, 0.0).maxCoeff(&at);
+    if (furthest > large_ratio) values(j, at) = std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
 }  // namespace
 
 std::string explain(const RecordStart& start) {
@@ -215,21 +259,13 @@ bool rests_at_first_sample(const AugmentedModel& augmented_model, const FilterIn
   FilterInput head{input.measured, input.inputs.leftCols((samples - 1) * stride + 1), input.noise};
   head.measured.values = input.measured.values.leftCols(samples).eval();
   options.passes = 1;
-  const auto result = estimate(augmented_model, head, options);
-  if (result.failure) return false;
-  double sum = 0.0, degrees = 0.0, largest = 0.0;
-  for (Index k = 0; k < samples; ++k) {
-    if (!std::isfinite(result.nis[k])) continue;
-    sum += result.nis[k];
-    degrees += result.measured[k];
+  const VectorXd sizes = sizes_of(input.measured.values);
+  for (Index aside = 0;; ++aside) {
+    const auto result = estimate(augmented_model, head, options);
+    if (looks_like_rest(result, sizes)) return true;
+    if (aside == samples / samples_for_a_spike) return false;
+    set_largest_aside(result, head.measured.values);
   }
-  for (Index j = 0; j < result.innovation.rows(); ++j) {
-    const auto innovation = result.innovation.row(j).array().abs();
-    const double size = rms_of_present(input.measured.values.row(j).transpose());
-    if (size > 0.0) largest = std::max(largest, innovation.isFinite().select(innovation, 0.0).maxCoeff() / size);
-  }
-  if (largest <= large_innovation) return true;
-  return degrees == 0.0 || sum <= large_nis * degrees || sum <= chi_squared_quantile(certain, degrees);
 }
 
 bool set_moving_start(const AugmentedModelSetup& setup, const Record& record, const MatrixXd& inputs,

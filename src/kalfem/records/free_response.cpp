@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/records/isolated_values.hpp"
 #include "kalfem/records/noise_level.hpp"
 
 namespace kalfem {
@@ -252,6 +253,11 @@ Rest rest_of(const Record& record, Index from, const Standstill& run) {
   return {end, last, record.time(end), rest.mean.matrix(), rest.deviation.matrix()};
 }
 
+/// Excursions, holds and rests are ranges, which one spike would decide.
+Record without_spikes(const Record& record) {
+  return {record.sample_rate, record.start, record.channels, without_isolated_values(record.values), record.used};
+}
+
 void check_sample(const Record& record, Index from) {
   if (from < 0 || from >= record.samples())
     throw InvalidInput("sample " + std::to_string(from) + " is outside the record",
@@ -260,8 +266,9 @@ void check_sample(const Record& record, Index from) {
 
 }  // namespace
 
-std::optional<Release> find_release(const Record& record, const FreeResponseOptions& options) {
-  check(record, options);
+std::optional<Release> find_release(const Record& given, const FreeResponseOptions& options) {
+  check(given, options);
+  const Record record = without_spikes(given);
   const Index hold = length_in_samples(record, options.hold), n = record.samples();
   if (n < hold + options.samples) return std::nullopt;
   const Spread held = spread(record.values, 0, hold);
@@ -269,20 +276,24 @@ std::optional<Release> find_release(const Record& record, const FreeResponseOpti
   const ArrayXd allowed = allowed_departure(excursion, held.deviation, options);
   // A channel that only makes noise would pass as held; one that moves in the hold does not.
   if ((held.range > 2.0 * allowed).any()) return std::nullopt;
-  Index in_a_row = 0;
+  Index in_a_row = 0, first = 0;  // a missing sample neither counts nor ends the row
   for (Index k = 0; k < n; ++k) {
-    in_a_row = away(record, k, held.mean, allowed) ? in_a_row + 1 : 0;
+    if (away(record, k, held.mean, allowed)) {
+      if (in_a_row++ == 0) first = k;
+    } else if (record.values.col(k).allFinite()) {
+      in_a_row = 0;
+    }
     if (in_a_row < options.samples) continue;
-    const Index sample = k - options.samples + 1;
-    if (sample < hold) return std::nullopt;
-    return Release{sample, record.time(sample), spread(record.values, 0, hold).mean.matrix()};
+    if (first < hold) return std::nullopt;
+    return Release{first, record.time(first), held.mean.matrix()};
   }
   return std::nullopt;
 }
 
-std::optional<Rest> find_rest(const Record& record, Index from, const FreeResponseOptions& options) {
-  check(record, options);
-  check_sample(record, from);
+std::optional<Rest> find_rest(const Record& given, Index from, const FreeResponseOptions& options) {
+  check(given, options);
+  check_sample(given, from);
+  const Record record = without_spikes(given);
   for (const auto& run : standstills(record, from, options))
     if (lasts(record, from, run)) return rest_of(record, from, run);
   return std::nullopt;
@@ -300,9 +311,10 @@ std::optional<FreeResponseTimes> find_free_response(const Record& record, const 
   return times;
 }
 
-RestGuess guess_rest(const Record& record, Index from, const FreeResponseOptions& options) {
-  check(record, options);
-  check_sample(record, from);
+RestGuess guess_rest(const Record& given, Index from, const FreeResponseOptions& options) {
+  check(given, options);
+  check_sample(given, from);
+  const Record record = without_spikes(given);
   const Index n = record.samples(), later = (from + n) / 2;
   const ArrayXd allowed = allowed_departure(spread(record.values, 0, n).range, noise_level(record.values), options);
   const Index channel = most_moving(record, later, n - later, allowed);
