@@ -96,7 +96,31 @@ void print_identifiability(const Study& study) {
   if (found) print("Before the run, from the expected record: {}\n\n", found->text);
 }
 
-void check_parts(const Study& study, const std::optional<RecordCheck>& record, const std::string& page_file) {
+/// What a check found, for its last line.
+struct Found {
+  std::ptrdiff_t errors = 0, warnings = 0, questions = 0, remarks = 0;
+
+  void add(const std::vector<ModelFinding>& findings) {
+    errors += std::ranges::count(findings, FindingSeverity::error, &ModelFinding::severity);
+    warnings += std::ranges::count(findings, FindingSeverity::warning, &ModelFinding::severity);
+  }
+  void add(const RecordCheck& record) {
+    const auto asks = [](const std::string& finding) { return finding.ends_with('?'); };
+    questions += std::ranges::count_if(record.findings, asks);
+    remarks = std::ssize(record.findings) - questions;
+  }
+  /// "1 error, 2 warnings"
+  [[nodiscard]] std::string words() const {
+    std::string all;
+    for (const auto& [count, one] : {std::pair{errors, "error"}, std::pair{warnings, "warning"},
+                                     std::pair{questions, "question"}, std::pair{remarks, "remark"}})
+      if (count > 0) all += fmt::format("{}{} {}{}", all.empty() ? "" : ", ", count, one, count == 1 ? "" : "s");
+    return all.empty() ? "No problem found" : all;
+  }
+};
+
+void check_parts(const Study& study, const std::optional<RecordCheck>& record, const std::string& page_file,
+                 Found& found) {
   Page page{.title = study.title.empty() ? "kalfem" : study.title,
             .subtitle = "Check of the case",
             .status = VerdictState::consistent,
@@ -113,6 +137,7 @@ void check_parts(const Study& study, const std::optional<RecordCheck>& record, c
     const bool only_statics = study.statics && study.statics->part->name == part.name;
     const ModelCheckReport report = model_check_of(part, {.needs_mass = !only_statics});
     const Table places = places_table(part), gauges = gauges_table(part);
+    found.add(report.findings);
     print("Substructure '{}'\n\n{}", part.name, model_check_text(report, notes));
     for (const Table* table : {&places, &gauges})
       if (!table->rows.empty()) print("{}\n{}\n", table->title, to_text(*table));
@@ -138,9 +163,11 @@ ExitCode check(const std::string& case_file, const std::vector<std::string>& cha
   if (study.augmented_model) print_table(unknown_table(*study.augmented_model));
   if (study.updating) print_table(updating_table(*study.updating));
   print_identifiability(study);
-  check_parts(study, record, page_file);
+  Found found{.warnings = std::ssize(study.warnings)};
+  if (record) found.add(*record);
+  check_parts(study, record, page_file, found);
   for (const auto& warning : study.warnings) print_error("warning: {}\n", warning);
-  print("No problem found. Nothing was run.\n");
+  print("{}. Nothing was run.\n", found.words());
   return done;
 }
 

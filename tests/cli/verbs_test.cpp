@@ -52,6 +52,17 @@ TEST(Verbs, LeaveNothingWhereTheInputIsRefused) {
   EXPECT_FALSE(std::filesystem::exists(folder / "case.kalfem-out"));
 }
 
+/// The last line of a check counts what stands above it.
+TEST(Verbs, CheckCountsWhatItFound) {
+  const ScratchFolder folder("check-counts");
+  ASSERT_EQ(run_command("new measured " + (folder / "car").string(), folder).code, 0);
+  const std::string check = "check " + (folder / "car/case.yaml").string();
+  const auto gap = run_command(check, folder), unit = run_command(check + " --set sensors.body.unit=g", folder);
+  EXPECT_TRUE(gap.output.ends_with("1 remark. Nothing was run.\n")) << gap.output;
+  EXPECT_NE(unit.output.find("its rms is 10.4"), std::string::npos) << unit.output;
+  EXPECT_TRUE(unit.output.ends_with("1 question, 1 remark. Nothing was run.\n")) << unit.output;
+}
+
 TEST(Verbs, TellTheOneThatWasMeant) {
   const ScratchFolder folder("verb-meant");
   const auto outcome = run_command("updat case.yaml", folder);

@@ -262,6 +262,8 @@ def test_rotations_without_mass_are_refused_or_given_mass(tmp_path):
         sensors = {"tip": kf.displacement("bar.tip.z")}
         return kf.simulate(s, t, sensors=sensors, inputs={"push": np.ones_like(t)}, progress=False)["tip"].mean()
 
+    full = kf.Structure().add(kf.read_deck(tmp_path / "bar.bdf"))
+    assert kf.modes(full).frequencies[0] == pytest.approx(kf.modes(full, 1).frequencies[0])  # of those with mass
     with pytest.raises(kf.InvalidInput, match="have no mass"):
         deflection()
     assert deflection(mass_matrix="consistent") == pytest.approx(1 / (3 * 2.1e11 * 1.3333e-8), rel=0.05)  # F L^3 / 3 E I

@@ -32,7 +32,8 @@ Index counted(Index count, Index size) {
 }
 
 StructureModes modes_of(const LinearModel& model, Index count) {
-  const Index wanted = counted(count, model.size());
+  const Index with_mass = (model.mass.diagonal().array() > 0.0).count();  // others have no mode of their own
+  const Index wanted = std::min(counted(count, model.size()), with_mass);
   const NormalModes modes =
       wanted == model.size() ? normal_modes(model.mass, model.stiffness) : lowest_normal_modes(model, {wanted});
   StructureModes found{.dofs = model.dofs, .frequencies = modes.frequencies, .damping = {}, .shapes = modes.shapes};

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kalfem/pipeline/output_sensitivity.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <numbers>
 
 #include "kalfem/identification/expected_record.hpp"
 #include "kalfem/identification/filter_likelihood.hpp"
 #include "kalfem/identification/named_unknowns.hpp"
 #include "kalfem/pipeline/case_likelihood.hpp"
+#include "kalfem/system/linearised.hpp"
 
 namespace kalfem {
 
@@ -87,10 +88,10 @@ private:
 
   [[nodiscard]] VectorXd natural_frequencies(const VectorXd& theta) const {
     const auto problem = unknowns_.problem_at(theta);
-    const CoupledModel model = couple(problem->structure->reference_parts());
-    const MatrixXd stiffness(stiffness_at_rest(model.system())), mass(model.system().mass);
-    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(stiffness, mass, Eigen::EigenvaluesOnly);
-    return solver.eigenvalues().cwiseMax(0.0).cwiseSqrt() / (2.0 * std::numbers::pi);
+    Index count = 0;
+    for (const auto& output : outputs_)
+      if (output.kind == SensitivityOutput::frequency) count = std::max<Index>(count, output.mode + 1);
+    return lowest_normal_modes(linearised_at_rest(couple(problem->structure->reference_parts())), {count}).frequencies;
   }
 
   [[nodiscard]] VectorXd largest_forces(const VectorXd& theta) const {

@@ -128,7 +128,7 @@ std::vector<std::string> reduction_warnings(const ReductionErrorIndicators& erro
     warnings.push_back("the first mode left out, at " + hertz(left_out) + ", is inside the band of the excitation, " +
                        hertz(excitation_band) +
                        ": the excitation causes motion that the reduced model cannot represent");
-  if (left_out > 0.0 && left_out < 3.0 * sensor_bandwidth)
+  if (left_out > 0.0 && std::isfinite(sensor_bandwidth) && left_out < 3.0 * sensor_bandwidth)
     warnings.push_back("the kept modes end below " + hertz(left_out) + ", less than three times the sensors' " +
                        "bandwidth of " + hertz(sensor_bandwidth) + ": keep modes up to " +
                        hertz(3.0 * sensor_bandwidth) + ", better up to " + hertz(6.0 * sensor_bandwidth));
