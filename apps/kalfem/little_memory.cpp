@@ -25,7 +25,7 @@ rlim_t limit_of_addresses() {
   return getrlimit(RLIMIT_AS, &limit) == 0 ? limit.rlim_cur : RLIM_INFINITY;
 }
 
-/// Memory may also end where nothing can be thrown on: in a destructor, in a thread or at the begin of a library.
+/// Memory may also end where nothing can be thrown on: in a destructor, in a thread or before main() in a library.
 [[noreturn]] void end_without_memory() {
   try {
     if (const auto thrown = std::current_exception()) std::rethrow_exception(thrown);
@@ -49,7 +49,9 @@ __attribute__((no_sanitize("address", "undefined"))) void start_with_one_blas_th
     if (std::strcmp(*variable, one_thread) == 0 || count + 1 == most_variables) return;
     if (std::strncmp(*variable, one_thread, name) != 0) changed[count++] = *variable;
   }
-  execve("/proc/self/exe", arguments, changed);
+  static char program[4096];  // by its path, so that ps shows its name
+  const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
+  if (length > 0) execve(program, arguments, changed);
 }
 
 #ifdef __linux__

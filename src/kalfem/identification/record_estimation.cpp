@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -19,6 +20,8 @@ namespace {
 
 /// Of a sample interval in the search for a jump: what finer steps add is smaller than the jumps that are told.
 constexpr int most_jump_substeps = 8;
+/// Mean NIS over what is expected: a run that contradicts itself, and by how much rest must be better.
+constexpr double contradicting_nis = 2.0, far_less = 0.5;
 
 /// Takes the rows of unknown inputs, which stand behind the monitored quantities.
 std::vector<EstimatedInput> take_inputs(const std::vector<UnknownInput>& inputs, EstimatedSeries& monitored) {
@@ -69,16 +72,13 @@ bool start_is_read_off(const RecordStart& start, const AugmentedModelSetup& setu
   return start.moving && !setup.starts_at_rest && record.start <= 0.0 && !states_initial_motion(settings);
 }
 
-/// Per measured value, of the samples that count.
-double mean_nis_of(const EstimationResult& result) {
-  const auto there = result.nis.array().isFinite();
-  const double values = there.select(result.measured.cast<double>().array(), 0.0).sum();
-  return there.select(result.nis.array(), 0.0).sum() / std::max(1.0, values);
-}
-
-bool contradicts_itself(const EstimationResult& result) {
-  constexpr double much = 2.0;  // times what is expected
-  return result.failure.has_value() || mean_nis_of(result) > much;
+/// Mean NIS over what is expected of it; infinite where the filter stopped.
+double relative_nis(const FilteredRecord& filtered) {
+  const auto& result = filtered.result;
+  if (result.failure) return std::numeric_limits<double>::infinity();
+  const auto found =
+      summarise_consistency(result.nis, result.measured, result.innovation, filtered.run.input.measured.noise(), 0);
+  return found.mean_nis / found.expected_nis;
 }
 
 /// A change of an unknown as an event of the record.
@@ -173,7 +173,8 @@ void RecordEstimation::run_first() {
       filtered = std::move(finer);
     }
   }
-  if (start_is_read_off(filtered.run.start, setup_, record_, problem_->settings) && contradicts_itself(filtered.result))
+  if (start_is_read_off(filtered.run.start, setup_, record_, problem_->settings) &&
+      relative_nis(filtered) > contradicting_nis)
     try_rest(filtered, choice.substeps);
   evaluate(std::move(filtered), std::move(choice));
 }
@@ -184,8 +185,7 @@ void RecordEstimation::try_rest(FilteredRecord& filtered, int substeps) {
   from_rest.starts_at_rest = true;
   Screening screening(problem_, from_rest, record_, filter_options(*problem_, setup_, options_));
   FilteredRecord at_rest = screening.run(substeps);
-  const bool better = !at_rest.result.failure &&
-                      (filtered.result.failure || mean_nis_of(at_rest.result) < 0.5 * mean_nis_of(filtered.result));
+  const bool better = relative_nis(at_rest) < far_less * relative_nis(filtered);
   other_steps_ += better ? screening_->steps() : screening.steps();
   if (!better) return;
   setup_ = std::move(from_rest);
