@@ -18,7 +18,8 @@ std::string on_terminal(const std::string& arguments, const ScratchFolder& folde
 }
 
 TEST(Terminal, ShowsTheVerdictInColourUnlessTheUserObjects) {
-  if (std::system("command -v script >/dev/null") != 0) KALFEM_ABSENT("script is absent");
+  if (std::system("script -qec true /dev/null >/dev/null 2>&1 </dev/null") != 0)
+    KALFEM_ABSENT("`script` is absent, or opens no terminal (is /dev/pts mounted?)");
   const ScratchFolder folder("colour");
   const std::string run = "run " + write_case(folder, "case.yaml", short_case("short"));
   const std::string coloured = on_terminal(run, folder, "env -u NO_COLOR TERM=xterm");
