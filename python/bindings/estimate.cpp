@@ -31,9 +31,9 @@ py::dict parameters_summary(const EstimateResult& result, const EstimateOptions&
   return all;
 }
 
-py::dict estimation_summary(const EstimateResult& result, double settle) {
+py::dict estimation_summary(const EstimateResult& result) {
   py::dict nis, estimation;
-  nis["mean"] = number(result.mean_nis(settle));
+  nis["mean"] = number(result.mean_nis(static_cast<double>(result.settled) / result.sample_rate));
   nis["expected"] = result.innovation.rows();
   estimation["filter"] = result.filter;
   estimation["start"] = result.start;
@@ -53,7 +53,7 @@ py::dict summary_of(const EstimateResult& result, const EstimateOptions& options
   summary["message"] = message;
   summary["verdict"] = python::summary_of(result.verdict);
   summary["parameters"] = parameters_summary(result, options);
-  summary["estimation"] = estimation_summary(result, options.settle);
+  summary["estimation"] = estimation_summary(result);
   return summary;
 }
 

@@ -143,12 +143,13 @@ std::vector<std::pair<std::string, PointPrior>> initial_state_of(const py::dict&
   return all;
 }
 
-/// "none", "full" or a number.
-double second_thoughts_of(const py::handle& given) {
+/// "none", "full" or a number; nothing for None.
+std::optional<double> second_thoughts_of(const py::handle& given) {
+  if (given.is_none()) return std::nullopt;
   if (!py::isinstance<py::str>(given)) return given.cast<double>();
   const auto word = given.cast<std::string>();
   if (word == "none") return 0.0;
-  if (word == "full") return EstimateOptions{}.second_thoughts;
+  if (word == "full") return std::numeric_limits<double>::infinity();
   throw InvalidInput("second_thoughts: '" + word + "' is not known", "", "give none, full or a number");
 }
 

@@ -35,13 +35,13 @@ def estimate(
     initial_state: Mapping[str, Mapping[str, Any]] | None = None,
     process_noise: float | str = 0.0,
     substeps: int | None = None,
-    settle: float = 0.0,
+    settle: float | None = None,
     initial_state_from_record: bool = False,
     estimate_initial_state: bool = False,
     passes: int = 1,
     threads: int = 0,
     diagnose: bool = True,
-    second_thoughts: float | str = "full",
+    second_thoughts: float | str | None = None,
     progress: Progress = True,
 ) -> Run:
     """Estimate states and unknown parameters of a structure from a record.
@@ -74,8 +74,9 @@ def estimate(
     substeps : int, optional
         Of a sample interval, for the connectors' forces. If it is not given, as many as the estimates need are found by
         a second run over the record.
-    settle : float
-        Time from which on innovations count in the verdict [s].
+    settle : float, optional
+        Time from which on innovations count in the verdict [s]. If it is not given: at once where the motion at the
+        start is known, otherwise by the decay of the slowest mode, at the latest after a tenth of the record.
     initial_state_from_record : bool
         Take displacements and velocities at the start from the displacement sensors.
     estimate_initial_state : bool
@@ -84,9 +85,10 @@ def estimate(
         0: one a processor. Results do not depend on it.
     diagnose : bool
         Look for the mistake that explains numbers that contradict each other.
-    second_thoughts : float or str
+    second_thoughts : float or str, optional
         What may follow the first answer (more substeps, changes of parameters within the record, other process noise,
-        the mistake behind a contradiction): so many times its filter steps, ``none``, or ``full``.
+        the mistake behind a contradiction): so many times its filter steps, ``none``, or ``full``. If it is not
+        given, 2, or none without `diagnose`.
     progress : bool or callable
         Show a bar, or call a function with the fraction done and words.
 

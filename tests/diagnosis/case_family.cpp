@@ -79,6 +79,8 @@ std::filesystem::path write_case(const CaseFamily& family, const Measurement& me
     text += fmt::format("  {}: {{{}, file: excitation.csv, channel: {}}}\n", each.name, each.drives, each.name);
   text +=
       sensors_of(family, &measurement.sensors) + "record: {file: record.csv, skip_missing: true}\n" + family.estimate;
+  if (const char* thoughts = std::getenv("KALFEM_SECOND_THOUGHTS"))
+    text += fmt::format("  second_thoughts: {}\n", thoughts);
   return write(folder / "case.yaml", text);
 }
 

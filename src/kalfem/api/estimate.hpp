@@ -56,7 +56,9 @@ struct EstimateOptions {
   bool initial_state_from_record = false;  ///< displacements and velocities from the displacement sensors
   bool estimate_initial_state = false;  ///< keep the initial state in the state vector and update it with every sample
   int passes = 1;                       ///< over the record; more than one needs estimate_initial_state
-  double settle = 0.0;                  ///< time from which on innovations count in the verdict [s]
+  /// Time from which on innovations count in the verdict [s]. Empty: at once where the motion at the start is known,
+  /// otherwise by the decay of the structure's slowest mode, at the latest after a tenth of the record.
+  std::optional<double> settle = {};
   /// Samples from one computation of the standard deviations of states and outputs to the next; they stand in between.
   int deviation_stride = 1;
   Progress progress = {};
@@ -64,8 +66,9 @@ struct EstimateOptions {
   /// of the record, and only where something is wrong. An OnlineFilter never looks.
   bool diagnose = true;
   /// Filter steps of all that follows the first answer (more substeps, other process noise, changes of parameters
-  /// within the record, the diagnosis), in those of the first answer. 0: nothing follows.
-  double second_thoughts = std::numeric_limits<double>::infinity();
+  /// within the record, the diagnosis), in those of the first answer. 0: nothing follows; infinity: all. Empty: 2, or
+  /// 0 without `diagnose`.
+  std::optional<double> second_thoughts = {};
 };
 
 /// A parameter, estimated at the end of the record.
@@ -145,6 +148,7 @@ struct EstimateResult {
   [[nodiscard]] const EstimatedQuantity& output(const std::string& name) const;
 
   double sample_rate = 0.0;  ///< [Hz]
+  Eigen::Index settled = 0;  ///< first sample that the verdict rests on
 };
 
 /// Estimates states and unknown parameters of a structure from a record, whose channels have the sensors' names, in SI

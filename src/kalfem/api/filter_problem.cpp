@@ -123,8 +123,8 @@ public:
   FilterProblem make() {
     if (options_.sensors.empty())
       issues_.add({}, "sensors: the list is empty", "there is nothing to estimate from", "give at least one sensor");
-    if (!(options_.second_thoughts >= 0.0))
-      issues_.add({}, "second_thoughts: it is " + shortest(options_.second_thoughts), "filter steps cannot be negative",
+    if (const auto thoughts = options_.second_thoughts; thoughts && !(*thoughts >= 0.0))
+      issues_.add({}, "second_thoughts: it is " + shortest(*thoughts), "filter steps cannot be negative",
                   "give 0 for none, or so many times those of the first answer");
     refuse_doubles("sensors", options_.sensors, issues_);
     refuse_doubles("unknowns", options_.unknowns, issues_);
@@ -175,7 +175,7 @@ private:
     settings.passes = options_.passes;
     settings.settle = options_.settle;
     settings.diagnose = options_.diagnose;
-    settings.second_thoughts = options_.second_thoughts;
+    settings.second_thoughts = options_.second_thoughts.value_or(options_.diagnose ? usual_second_thoughts : 0.0);
     settings.substeps = options_.substeps;
     settings.threads = options_.threads;
     for (std::size_t i = 0; i < options_.initial_state.size(); ++i) {

@@ -43,7 +43,7 @@ void require_online(const EstimateOptions& options) {
   };
   refuse(options.initial_state_from_record, "initial_state_from_record");
   refuse(options.passes > 1, "passes");
-  refuse(options.settle > 0.0, "settle");
+  refuse(options.settle.has_value(), "settle");
   issues.raise();
 }
 

@@ -196,7 +196,7 @@ struct Estimation {
   Named<Located<ConnectorStatePrior>> initial_connector_states;
   AccelerationNoise process_noise;
   AdaptiveNoiseOptions adaptive_noise;
-  double settle = 2.0;
+  std::optional<double> settle;  ///< if empty, by the structure and its start
   std::optional<LocalModelOptions> local;
   bool estimate_initial_state = false;
   int passes = 1;
@@ -204,7 +204,7 @@ struct Estimation {
   int threads = 0;                           ///< 0: one per processor
   std::optional<OutlierTreatment> outliers;  ///< if empty, robust where a run shows outliers
   bool diagnose = true;
-  double second_thoughts = std::numeric_limits<double>::infinity();  ///< filter steps, in those of the first answer
+  std::optional<double> second_thoughts;  ///< filter steps, in those of the first answer; if empty, see `diagnose`
   bool smooth = false;
 };
 

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <functional>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "kalfem/estimation/estimate.hpp"
 #include "kalfem/identification/filter_run.hpp"
+#include "kalfem/identification/step_budget.hpp"
 
 namespace kalfem {
 
@@ -18,9 +18,8 @@ struct DiagnosisInput {
   StructureParts parts;
   Record record;
   EstimationOptions options = {};
-  Eigen::VectorXd nis = {};  ///< of the run that is to be explained, up to where it stopped
-  /// Of the record that a trial may see at most.
-  double samples = std::numeric_limits<double>::infinity();
+  Eigen::VectorXd nis = {};              ///< of the run that is to be explained, up to where it stopped
+  double steps = StepBudget::unlimited;  ///< filter steps that all trials together may take
 
   /// The filter's run over the record for this problem or a changed one.
   [[nodiscard]] FilterRun run_of(const EstimationProblemPtr& changed, const StructureParts& changed_parts) const;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
-#include <utility>
 
 #include "kalfem/diagnosis/judge_estimation.hpp"
 
@@ -30,15 +29,6 @@ bool is_of_event(const Reason& reason, const RecordEstimate& estimate) {
 
 /// Of a sample interval in the trials of a diagnosis: mistakes are larger than what finer steps add.
 constexpr int most_trial_substeps = 8;
-constexpr double fewest_samples = 500.0;  ///< for each trial: with fewer, coarser steps or none
-
-/// As many as the estimate's, where the steps that are left allow it; 0: they allow no diagnosis.
-int trial_substeps(const RecordEstimate& estimate) {
-  const double allowed = estimate.steps_left / (diagnosis_trials * fewest_samples);
-  int substeps = std::min(most_trial_substeps, estimate.augmented_model->options().substeps);
-  while (substeps > allowed) substeps /= 2;
-  return substeps;
-}
 
 bool is_doubtful(const RecordEstimate& estimate) {
   const bool overstated_noise = estimate.consistency.mean_nis < 0.5 * estimate.consistency.expected_nis;
@@ -63,22 +53,24 @@ std::optional<Diagnosis> look_for_cause(const EstimationProblem& problem, const 
   if (!problem.settings.unknown_inputs.empty()) return std::nullopt;
   if (!estimate.result.failure && !is_doubtful(estimate)) return std::nullopt;
   // Where substeps have not settled, the contradiction may be theirs, and a trial would blame the model for it.
-  const int substeps = estimate.substeps.stopped ? 0 : trial_substeps(estimate);
-  if (substeps == 0) {
-    estimate.leave_out("the mistake behind the contradiction");
-    return std::nullopt;
+  std::optional<Diagnosis> diagnosis;
+  if (!estimate.substeps.stopped) {
+    const auto& likelihood = estimate.likelihood;
+    auto as_run = std::make_shared<EstimationProblem>(likelihood ? *likelihood->corrected.problem : problem);
+    as_run->settings.substeps = std::min(most_trial_substeps, estimate.augmented_model->options().substeps);
+    diagnosis = diagnose(
+        {.problem = std::move(as_run),
+         .parts = parts,
+         .record = without(likelihood ? likelihood->corrected.record : record, estimate.events),
+         .options = {.unscented = problem.settings.unscented, .adaptive_noise = problem.settings.adaptive_noise},
+         .nis = computed_nis(estimate.result),
+         .steps = estimate.steps_left});
   }
-  const double left_after = std::isfinite(estimate.steps_left) ? 0.0 : estimate.steps_left;
-  const auto& likelihood = estimate.likelihood;
-  auto as_run = std::make_shared<EstimationProblem>(likelihood ? *likelihood->corrected.problem : problem);
-  as_run->settings.substeps = substeps;
-  return diagnose(
-      {.problem = std::move(as_run),
-       .parts = parts,
-       .record = without(likelihood ? likelihood->corrected.record : record, estimate.events),
-       .options = {.unscented = problem.settings.unscented, .adaptive_noise = problem.settings.adaptive_noise},
-       .nis = computed_nis(estimate.result),
-       .samples = std::exchange(estimate.steps_left, left_after) / (diagnosis_trials * substeps)});
+  if (!diagnosis)
+    estimate.leave_out("the mistake behind the contradiction");
+  else if (std::isfinite(estimate.steps_left))
+    estimate.steps_left = 0.0;
+  return diagnosis;
 }
 
 }  // namespace kalfem

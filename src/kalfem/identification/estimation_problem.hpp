@@ -117,6 +117,10 @@ struct LikelihoodUnknown {
   std::optional<double> truth = {};
 };
 
+/// Times the filter steps of the first answer that what follows it may take where nothing is said: with them a run
+/// takes about three times as long as its answer.
+inline constexpr double usual_second_thoughts = 2.0;
+
 /// Settings of the filter.
 struct EstimationSettings {
   std::optional<FilterKind> filter = {};  ///< if empty, the system decides
@@ -130,7 +134,7 @@ struct EstimationSettings {
   AccelerationNoise process_noise = {};
   AdaptiveNoiseOptions adaptive_noise = {};  ///< noise that the filter finds along the record
   std::optional<LocalModelOptions> local = {};
-  double settle = 0.0;                  ///< time before errors and consistency count [s]
+  std::optional<double> settle = {};    ///< time before errors and consistency count [s]; empty: see settling_time()
   bool estimate_initial_state = false;  ///< keep the initial state in the state vector and update it with every sample
   int passes = 1;                       ///< over the record, each from the estimate of the one before
   /// Of a sample interval, for the connectors' forces; empty: as many as the estimates need, see choose_substeps().
@@ -142,7 +146,7 @@ struct EstimationSettings {
   bool diagnose = true;  ///< look for the mistake that explains a run which contradicts itself
   /// Filter steps of all that follows the first answer (more substeps, other process noise, changes of unknowns, the
   /// mistake behind a contradiction), in those of the first answer. 0: nothing follows; see RecordEstimate.
-  double second_thoughts = StepBudget::unlimited;
+  double second_thoughts = usual_second_thoughts;
   bool smooth = false;  ///< estimate every sample from the whole record too
 };
 

@@ -66,6 +66,8 @@ struct RecordEstimate {
   std::vector<double> open_loop_nrmse;       ///< per sensor, about the channel's rest
   std::vector<double> open_loop_rest_error;  ///< last value against the channel's, per sensor
 
+  /// Time from the record's start to the first sample that counts [s].
+  [[nodiscard]] double judged_from() const { return static_cast<double>(settled) / measurements.sample_rate; }
   /// Notes a search that second_thoughts do not allow.
   void leave_out(std::string what);
   /// Whether the filter computed any sample: without one there is nothing to tell or to draw.

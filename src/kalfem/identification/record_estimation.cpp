@@ -263,7 +263,7 @@ void RecordEstimation::evaluate(FilteredRecord filtered, SubstepChoice substeps)
                           .outliers = of_filter.outliers.treatment,
                           .held_out = of_filter.held_out,
                           .events = std::move(events)};
-  estimate.settled = settled_samples(estimate.result, estimate.measurements, settings.settle);
+  estimate.settled = settled_samples(estimate.result, estimate.measurements, settings.settle.value_or(0.0));
   estimate.inputs = take_inputs(unknown_inputs, estimate.result.monitored);
   if (smoothed) estimate.smoothed_inputs = take_inputs(unknown_inputs, smoothed->monitored);
   estimate.smoothed = std::move(smoothed);

@@ -105,7 +105,8 @@ RecordResidual::RecordResidual(EstimationProblemPtr problem, Record record,
   for (const auto& sensor : problem_->sensors)
     if (std::ranges::find(options_.sensors, sensor.name) != options_.sensors.end()) sensors_.push_back(sensor);
   const auto samples = record_.samples();
-  const auto settled = static_cast<Index>(std::llround(problem_->settings.settle * problem_->sample_rate));
+  const auto settled =
+      static_cast<Index>(std::llround(problem_->settings.settle.value_or(0.0) * problem_->sample_rate));
   if (settled >= samples - 1)
     throw InvalidInput("estimate.settle covers the whole record", "no sample is left to compare", "shorten it");
   settled_ = settled;

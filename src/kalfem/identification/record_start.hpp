@@ -12,6 +12,7 @@ namespace kalfem {
 /// What a filter assumes of the structure's motion at a record's first sample.
 struct RecordStart {
   bool moving = false;                        ///< unknown: about rest, with deviations of the record's size
+  bool spiked = false;                        ///< one of the first values was taken for a spike and left out
   std::string reason = {};                    ///< in words
   double displacement = 0.0, velocity = 0.0;  ///< largest deviation of a degree of freedom [m], [m/s]
 };

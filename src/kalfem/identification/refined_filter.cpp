@@ -77,7 +77,11 @@ public:
       return choice;
     }
     choice.words = "from the change of the estimates with the substeps";
-    if (const auto bias = bias_against_half_of(estimates_of(setup_, first, substeps_.first))) choice.bias = *bias;
+    const Estimates fine = estimates_of(setup_, first, substeps_.first);
+    if (const auto coarse = run_with_half_of(fine)) {
+      if (contradicts_anyway(*coarse, fine)) return contradicted();
+      choice.bias = distance(setup_, *coarse, fine) / (square_of_ratio(fine.substeps, coarse->substeps) - 1.0);
+    }
     choice.limited = choice.bias.size() == 0 || !is_small(choice.bias);
     return choice;
   }
@@ -101,8 +105,7 @@ public:
         choice.limited = false;
         return choice;
       }
-      if (contradicts_anyway(coarse, *fine))
-        return stays_with_first("as more change nothing of how the model contradicts the record");
+      if (contradicts_anyway(coarse, *fine)) return contradicted();
       const VectorXd change = distance(setup_, coarse, *fine) / (square_of_ratio(next, coarse.substeps) - 1.0);
       const VectorXd of_coarse = change * square_of_ratio(next, coarse.substeps);
       if (coarse.substeps == substeps_.first && is_small(of_coarse)) {
@@ -128,12 +131,13 @@ private:
     return {.substeps = substeps_.first, .chosen = true, .words = std::move(words)};
   }
 
-  /// What is left of the bias with these substeps. Nothing where the filter fails with half of them, or runs with one.
-  [[nodiscard]] std::optional<VectorXd> bias_against_half_of(const Estimates& estimates) const {
-    if (estimates.substeps < 2) return std::nullopt;
-    const auto coarse = run_with(estimates.substeps / 2);
-    if (!coarse) return std::nullopt;
-    return distance(setup_, *coarse, estimates) / (square_of_ratio(estimates.substeps, coarse->substeps) - 1.0);
+  [[nodiscard]] SubstepChoice contradicted() const {
+    return stays_with_first("as more change nothing of how the model contradicts the record");
+  }
+
+  /// Nothing where the filter fails with half of the substeps, or ran with one.
+  [[nodiscard]] std::optional<Estimates> run_with_half_of(const Estimates& fine) const {
+    return fine.substeps < 2 ? std::nullopt : run_with(fine.substeps / 2);
   }
 
   /// The most substeps for which the inputs at all of them can be held.

@@ -85,7 +85,7 @@ bool Screening::hold_out(const std::vector<HeldOutSamples>& found) {
 }
 
 Index Screening::settled(const EstimationResult& result) const {
-  const auto count = static_cast<Index>(std::llround(problem_->settings.settle * record_.sample_rate));
+  const auto count = static_cast<Index>(std::llround(problem_->settings.settle.value_or(0.0) * record_.sample_rate));
   return result.failure ? 0 : std::min(count, measured_.samples() - 1);
 }
 

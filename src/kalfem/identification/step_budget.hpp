@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <limits>
 
 namespace kalfem {
@@ -14,6 +15,7 @@ public:
   explicit StepBudget(double steps = unlimited) : left_(steps) {}
 
   [[nodiscard]] double left() const { return left_; }
+  [[nodiscard]] bool is_limited() const { return std::isfinite(left_); }
   [[nodiscard]] bool allows(double steps) const { return steps <= left_; }
   /// Takes so many; where fewer are left, none, and says false.
   bool take(double steps) {

@@ -63,7 +63,7 @@ std::string error_words(const Study& study, const EstimationOutcome& outcome, co
                         const PointQuantity& point) {
   if (RestingPoints(points, outcome.settled).rests(point)) return "The simulated structure is at rest there.";
   if (!point.nrmse) return "";
-  const std::string after = fmt::format(", after {} s.", four_digits(study.problem->settings.settle));
+  const std::string after = fmt::format(", after {} s.", four_digits(outcome.judged_from()));
   if (!point.nrmse_in_band || !outcome.band) return "NRMSE " + per_cent(*point.nrmse) + after;
   return fmt::format("NRMSE {} in the band of the excitation, {} to {} Hz; {} over the whole signal",
                      per_cent(*point.nrmse_in_band), four_digits(outcome.band->from), four_digits(outcome.band->to),

@@ -393,12 +393,12 @@ std::string console_report(const Study& study, const StudyResults& results) {
           sentence(substep_words(outcome)) + (outcome.start.moving ? sentence(explain(outcome.start)) : "") +
               linearisation_words(outcome));
     if (const auto table = error_table("", study, outcome.points, outcome.settled); !table.rows.empty())
-      text += fmt::format("Estimated motion, NRMSE after {} s{}\n", four_digits(study.problem->settings.settle),
+      text += fmt::format("Estimated motion, NRMSE after {} s{}\n", four_digits(outcome.judged_from()),
                           band_words(outcome)) +
               to_text(table) + "\n";
     if (const auto table = error_table("", study, outcome.smoothed_points, outcome.settled); !table.rows.empty())
       text += fmt::format("Motion smoothed over the whole record, NRMSE after {} s{}\n",
-                          four_digits(study.problem->settings.settle), band_words(outcome)) +
+                          four_digits(outcome.judged_from()), band_words(outcome)) +
               to_text(table) + "\n";
     if (!outcome.open_loop_failure.empty()) text += "No open-loop comparison: " + outcome.open_loop_failure + "\n\n";
     if (outcome.open_loop)

@@ -205,7 +205,7 @@ void check_driven_histories(const CaseStudy& study, const CoupledModel& start, I
     } catch (const InvalidInput& error) {
       add_at(driven->substructure.location, error, issues);
     }
-    const double settle = study.given.estimate->settle;
+    const double settle = study.given.estimate->settle.value_or(0.0);
     if (settle * study.sample_rate() >= samples_of(study) - 1.5)
       issues.add(study.given.source.at({"estimate", "settle"}),
                  "estimate.settle: " + shortest(settle) + " s cover the whole record",

@@ -256,7 +256,7 @@ public:
     for (const auto& name : compared_sensors(study_, given))
       simulation.sensors.push_back(*std::ranges::find(study_.sensors, name, &Sensor::name));
     if (study_.given.simulate) simulation.options.initial = study_.given.simulate->initial;
-    if (study_.given.estimate) simulation.options.settle = study_.given.estimate->settle;
+    if (study_.given.estimate) simulation.options.settle = study_.given.estimate->settle.value_or(0.0);
     return {.name = name_, .kind = "record against the simulation", .what = std::move(simulation)};
   }
 

@@ -121,7 +121,7 @@ void warn_of_slow_inputs(const CaseStudy& study, std::vector<std::string>& warni
 std::vector<std::string> doubtful_estimation(const CaseStudy& study) {
   std::vector<std::string> warnings;
   const auto& estimate = study.given.estimate;
-  if (estimate && study.given.simulate && estimate->settle >= study.given.simulate->duration)
+  if (estimate && study.given.simulate && estimate->settle.value_or(0.0) >= study.given.simulate->duration)
     warnings.emplace_back("estimate.settle is not shorter than the record: errors and NIS use the last sample only");
   if (!study.augmented_model) return warnings;
   warn_of_slow_inputs(study, warnings);
