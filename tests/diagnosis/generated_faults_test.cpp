@@ -141,9 +141,11 @@ bool wanted(const std::string& name) {
   return !only || name.find(only) != std::string::npos;
 }
 
-/// The explanations that were tested, best first, where the cause is not the first reason.
+/// What was not looked for, and the explanations that were tested, best first, where the cause is not the first reason.
 void print_tested(const StudyResults& results) {
-  if (!results.estimation || !results.estimation->diagnosis) return;
+  if (!results.estimation) return;
+  for (const auto& each : results.estimation->left_out) std::cout << "      left out: " << each << "\n";
+  if (!results.estimation->diagnosis) return;
   const auto& tested = results.estimation->diagnosis->tested;
   for (std::size_t i = 0; i < std::min<std::size_t>(tested.size(), 6); ++i)
     std::cout << fmt::format("      {} {}: {:.4g}, gain {:.5g}, NIS {:.3g}\n", tested[i].code, tested[i].subject,

@@ -30,6 +30,15 @@ bool is_of_event(const Reason& reason, const RecordEstimate& estimate) {
 /// Of a sample interval in the trials of a diagnosis: mistakes are larger than what finer steps add.
 constexpr int most_trial_substeps = 8;
 
+/// Of the NIS over what is expected: no step alone makes innovations ten times too large.
+constexpr double beyond_steps = 100.0;
+
+/// Whether a trial could blame the model for what substeps do that have not settled.
+bool may_be_of_the_step(const RecordEstimate& estimate) {
+  const auto& found = estimate.consistency;
+  return estimate.substeps.stopped && !(found.mean_nis > beyond_steps * found.expected_nis);
+}
+
 bool is_doubtful(const RecordEstimate& estimate) {
   const bool overstated_noise = estimate.consistency.mean_nis < 0.5 * estimate.consistency.expected_nis;
   const bool explained = estimate.jump && estimate.jump->explains;
@@ -52,9 +61,8 @@ std::optional<Diagnosis> look_for_cause(const EstimationProblem& problem, const 
   // An unknown input makes up for most mistakes, and its assumed process for others: trials could not tell them apart.
   if (!problem.settings.unknown_inputs.empty()) return std::nullopt;
   if (!estimate.result.failure && !is_doubtful(estimate)) return std::nullopt;
-  // Where substeps have not settled, the contradiction may be theirs, and a trial would blame the model for it.
   std::optional<Diagnosis> diagnosis;
-  if (!estimate.substeps.stopped) {
+  if (!may_be_of_the_step(estimate)) {
     const auto& likelihood = estimate.likelihood;
     auto as_run = std::make_shared<EstimationProblem>(likelihood ? *likelihood->corrected.problem : problem);
     as_run->settings.substeps = std::min(most_trial_substeps, estimate.augmented_model->options().substeps);

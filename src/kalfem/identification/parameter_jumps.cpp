@@ -183,12 +183,16 @@ JumpSearchResult find_parameter_jump(const AugmentedModel& augmented_model, cons
   if (hints.front().statistic < worth_a_run) return {};
   JumpSearch search(augmented_model, input, std::move(options), first, steps, budget);
   const Index coarse = std::max<Index>(1, input.measured.samples() / coarse_parts);
+  const EstimationResult constant = search.without_change();
   std::vector<Trial> trials;
   for (const auto& hint : hints) {
     if (hint.statistic < std::max(worth_a_run, near_the_largest * hints.front().statistic)) break;
     if (trials.size() == most_tried) break;
-    trials.push_back(search.with_change(history.unknowns[static_cast<std::size_t>(hint.unknown)], hint.sample));
+    Trial trial = search.with_change(history.unknowns[static_cast<std::size_t>(hint.unknown)], hint.sample);
+    if (search.stopped()) break;
+    trials.push_back(std::move(trial));
   }
+  if (trials.empty()) return {.stopped = true};
   std::ranges::sort(trials, std::greater{}, &Trial::log_likelihood);
   std::optional<Trial> best;
   for (std::size_t i = 0; i < std::min(trials.size(), most_placed); ++i) {
@@ -196,8 +200,6 @@ JumpSearchResult find_parameter_jump(const AugmentedModel& augmented_model, cons
     if (!best || trial.log_likelihood() > best->log_likelihood()) best = std::move(trial);
   }
   best = search.placed(*std::move(best), coarse / 2, 1);
-  const EstimationResult constant = search.without_change();
-  if (search.stopped()) return {.stopped = true};
   if (best->result.failure || constant.failure) return {};
   const Contradiction before = contradiction_of(input, constant, first),
                       after = contradiction_of(input, best->result, first);
@@ -206,7 +208,8 @@ JumpSearchResult find_parameter_jump(const AugmentedModel& augmented_model, cons
   jump.explains = !after.any;
   const bool most_is_explained = jump.explains || after.excess < 0.5 * before.excess;
   const bool told = jump.gain > significant && std::abs(jump.after - jump.before) > band * jump.deviation;
-  return {.jump = told && most_is_explained ? std::optional(jump) : std::nullopt};
+  if (told && most_is_explained) return {.jump = jump};
+  return {.stopped = search.stopped()};
 }
 
 }  // namespace kalfem

@@ -19,7 +19,8 @@ using Eigen::VectorXd;
 namespace {
 
 /// Of a sample interval in the search for a jump: what finer steps add is smaller than the jumps that are told.
-constexpr int most_jump_substeps = 8;
+constexpr int most_jump_substeps = 8, limited_jump_substeps = 1;
+constexpr double jump_share = 0.5;  ///< of the filter steps that are left, the others are for a mistake
 /// Mean NIS over what is expected: a run that contradicts itself, and by how much rest must be better.
 constexpr double contradicting_nis = 2.0, far_less = 0.5;
 
@@ -210,24 +211,28 @@ void RecordEstimation::settle_substeps(StepBudget& budget) {
 }
 
 /// The run of the estimate, with fewer substeps where it has many.
-FilterRun RecordEstimation::coarse_run() const {
+FilterRun RecordEstimation::coarse_run(int substeps) const {
   AugmentedModelSetup setup = screening_->setup();
   setup.starts_at_rest = !estimate_.start.moving;
-  setup.options.substeps = most_jump_substeps;
+  setup.options.substeps = substeps;
   return make_filter_run(problem_, setup, screening_->record());
 }
 
 void RecordEstimation::look_for_jump(StepBudget& budget) {
   // Where the step is too coarse, the estimates are those of the step, not of the record.
   if (!problem_->settings.diagnose || estimate_.substeps.limited) return;
-  const int substeps = std::min(most_jump_substeps, estimate_.substeps.substeps);
+  const bool limited = std::isfinite(budget.left());
+  const int substeps = std::min(limited ? limited_jump_substeps : most_jump_substeps, estimate_.substeps.substeps);
   const std::optional<FilterRun> coarse =
-      estimate_.substeps.substeps > substeps ? std::optional(coarse_run()) : std::nullopt;
+      estimate_.substeps.substeps > substeps ? std::optional(coarse_run(substeps)) : std::nullopt;
+  StepBudget share(limited ? jump_share * budget.left() : StepBudget::unlimited);
+  const double before = share.left();
   const FilterRun& run = coarse ? *coarse : *run_;
   EstimationOptions options = screening_->options();
   options.filter = run.choice.filter;
   const auto search = find_parameter_jump(*run.choice.augmented_model, run.input, options, estimate_.result,
-                                          estimate_.settled, static_cast<double>(record_.samples()) * substeps, budget);
+                                          estimate_.settled, static_cast<double>(record_.samples()) * substeps, share);
+  if (limited) budget.take(before - share.left());
   if (search.stopped) estimate_.leave_out("a change of an unknown within the record");
   if (!search.jump) return;
   estimate_.jump = search.jump;
@@ -236,6 +241,9 @@ void RecordEstimation::look_for_jump(StepBudget& budget) {
 
 void RecordEstimation::study_process_noise(StepBudget& budget) {
   if (!problem_->settings.diagnose || estimate_.substeps.limited) return;
+  // Of a run that contradicts itself the mistake is looked for first.
+  const bool contradictory = !innovation_reasons(innovations_of(estimate_)).empty();
+  if (std::isfinite(budget.left()) && contradictory) return estimate_.leave_out("other process noise");
   auto study = kalfem::study_process_noise(problem_, setup_, record_, estimate_, budget);
   if (study.stopped) estimate_.leave_out("other process noise");
   estimate_.process_noise = std::move(study.trials);

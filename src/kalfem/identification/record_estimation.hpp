@@ -35,7 +35,7 @@ private:
   void run_first();
   void try_rest(FilteredRecord& filtered, int substeps);
   void evaluate(FilteredRecord filtered, SubstepChoice substeps);
-  [[nodiscard]] FilterRun coarse_run() const;
+  [[nodiscard]] FilterRun coarse_run(int substeps) const;
 
   EstimationProblemPtr problem_;  ///< with gains, delays and noise at their likeliest, once these are found
   AugmentedModelSetup setup_;

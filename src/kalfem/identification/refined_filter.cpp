@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kalfem/identification/refined_filter.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -29,11 +30,12 @@ double relative_nis(const EstimationResult& result) {
   return there.select(result.nis.array(), 0.0).sum() / std::max(1.0, static_cast<double>(result.measured.sum()));
 }
 
-/// Whether the model contradicts the record, and more substeps change nothing of it: what they change of the estimates
-/// then says nothing about the step.
+/// Whether the model contradicts the record, and more substeps change little of it: what they change of the estimates
+/// then says nothing about the step. What the step adds to the NIS falls at least by four where substeps double.
 bool contradicts_anyway(const Estimates& coarse, const Estimates& fine) {
-  constexpr double contradiction = 2.0, same = 0.2;
-  return coarse.nis > contradiction && std::abs(fine.nis / coarse.nis - 1.0) < same;
+  constexpr double contradiction = 2.0, most = 0.5;
+  const double without_step = fine.nis - (coarse.nis - fine.nis) / 3.0;
+  return without_step > std::max(contradiction, most * fine.nis);
 }
 
 Estimates estimates_of(const AugmentedModelSetup& setup, const EstimationResult& result, int substeps) {
