@@ -10,6 +10,7 @@
 #include "kalfem/identification/open_loop.hpp"
 #include "kalfem/identification/refined_filter.hpp"
 #include "kalfem/identification/robust_deviations.hpp"
+#include "kalfem/identification/settling.hpp"
 
 namespace kalfem {
 
@@ -37,13 +38,9 @@ std::vector<EstimatedInput> take_inputs(const std::vector<UnknownInput>& inputs,
   return taken;
 }
 
-/// Samples before the first one of the error and consistency figures. A run that failed while it settled is judged from
-/// its start.
-Index settled_samples(const EstimationResult& result, const Record& measured, double settle) {
-  const auto& failure = result.failure;
-  const Index samples = failure ? std::max<Index>(1, failure->computed) : measured.samples();
-  const auto settled = static_cast<Index>(std::llround(settle * measured.sample_rate));
-  return failure && settled >= samples ? 0 : std::min(settled, samples - 1);
+/// The first sample of the error and consistency figures: a run that failed while it settled is judged from its start.
+Index first_judged(const EstimationResult& result, Index settled) {
+  return result.failure && settled >= std::max<Index>(1, result.failure->computed) ? 0 : settled;
 }
 
 /// The deviations of the filter's unknowns with what those of the likelihood unknowns add.
@@ -221,7 +218,7 @@ FilterRun RecordEstimation::coarse_run(int substeps) const {
 void RecordEstimation::look_for_jump(StepBudget& budget) {
   // Where the step is too coarse, the estimates are those of the step, not of the record.
   if (!problem_->settings.diagnose || estimate_.substeps.limited) return;
-  const bool limited = std::isfinite(budget.left());
+  const bool limited = budget.is_limited();
   const int substeps = std::min(limited ? limited_jump_substeps : most_jump_substeps, estimate_.substeps.substeps);
   const std::optional<FilterRun> coarse =
       estimate_.substeps.substeps > substeps ? std::optional(coarse_run(substeps)) : std::nullopt;
@@ -243,7 +240,7 @@ void RecordEstimation::study_process_noise(StepBudget& budget) {
   if (!problem_->settings.diagnose || estimate_.substeps.limited) return;
   // Of a run that contradicts itself the mistake is looked for first.
   const bool contradictory = !innovation_reasons(innovations_of(estimate_)).empty();
-  if (std::isfinite(budget.left()) && contradictory) return estimate_.leave_out("other process noise");
+  if (budget.is_limited() && contradictory) return estimate_.leave_out("other process noise");
   auto study = kalfem::study_process_noise(problem_, setup_, record_, estimate_, budget);
   if (study.stopped) estimate_.leave_out("other process noise");
   estimate_.process_noise = std::move(study.trials);
@@ -271,7 +268,8 @@ void RecordEstimation::evaluate(FilteredRecord filtered, SubstepChoice substeps)
                           .outliers = of_filter.outliers.treatment,
                           .held_out = of_filter.held_out,
                           .events = std::move(events)};
-  estimate.settled = settled_samples(estimate.result, estimate.measurements, settings.settle.value_or(0.0));
+  estimate.settled = first_judged(
+      estimate.result, first_settled_sample(settings, screening_->setup(), estimate.start, estimate.measurements));
   estimate.inputs = take_inputs(unknown_inputs, estimate.result.monitored);
   if (smoothed) estimate.smoothed_inputs = take_inputs(unknown_inputs, smoothed->monitored);
   estimate.smoothed = std::move(smoothed);

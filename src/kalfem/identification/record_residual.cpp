@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "kalfem/identification/refined_filter.hpp"
+#include "kalfem/identification/settling.hpp"
 #include "kalfem/linalg/sparse_operations.hpp"
 #include "kalfem/updating/residual.hpp"
 
@@ -105,20 +106,19 @@ RecordResidual::RecordResidual(EstimationProblemPtr problem, Record record,
   for (const auto& sensor : problem_->sensors)
     if (std::ranges::find(options_.sensors, sensor.name) != options_.sensors.end()) sensors_.push_back(sensor);
   const auto samples = record_.samples();
-  const auto settled =
-      static_cast<Index>(std::llround(problem_->settings.settle.value_or(0.0) * problem_->sample_rate));
-  if (settled >= samples - 1)
+  const VectorXd start = initial_values(updating_.parameters);
+  const StructureAtParameters here = structure_->at(start);
+  choose_substeps_and_start(here, start);
+  settled_ = first_settled_sample(problem_->settings, augmented_model_at(here.parts, start),
+                                  RecordStart{.moving = !*starts_at_rest_}, record_);
+  if (settled_ >= samples - 1)
     throw InvalidInput("estimate.settle covers the whole record", "no sample is left to compare", "shorten it");
-  settled_ = settled;
   measured_.resize(samples, static_cast<Index>(sensors_.size()));
   for (std::size_t j = 0; j < sensors_.size(); ++j)
     measured_.col(static_cast<Index>(j)) = record_.values.row(record_.find(sensors_[j].name)).transpose();
-  const VectorXd start = initial_values(updating_.parameters);
   const double none = std::numeric_limits<double>::infinity();
   const auto counted = samples - settled_;
   deviation_ = MatrixXd::Constant(counted, measured_.cols(), none);
-  const StructureAtParameters here = structure_->at(start);
-  choose_substeps_and_start(here, start);
   choose_derivatives(here, start);
 }
 

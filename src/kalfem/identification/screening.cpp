@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kalfem/identification/settling.hpp"
+
 namespace kalfem {
 
 using Eigen::Index;
@@ -26,7 +28,7 @@ Screening::Screening(EstimationProblemPtr problem, AugmentedModelSetup setup, Re
 FilteredRecord Screening::run(int substeps) {
   const bool searches = problem_->settings.outliers != OutlierTreatment::keep;
   FilteredRecord filtered = run_once(substeps);
-  for (int runs = 1; searches && runs < most_runs && changes(filtered.result); ++runs) {
+  for (int runs = 1; searches && runs < most_runs && changes(filtered); ++runs) {
     state_noise(filtered.result);
     filtered = run_once(substeps);
   }
@@ -46,7 +48,8 @@ std::vector<SensorEvent> Screening::events(const EstimationResult& result) const
 }
 
 /// Whether the result asks for another run, which the options then describe.
-bool Screening::changes(const EstimationResult& result) {
+bool Screening::changes(const FilteredRecord& filtered) {
+  const EstimationResult& result = filtered.result;
   const bool restored =
       std::erase_if(options_.held_out, [&](const HeldOutSamples& stretch) {
         return stretch.end - stretch.begin >= 1 && !is_confirmed(stretch) && !contradicted(result, stretch);
@@ -57,8 +60,10 @@ bool Screening::changes(const EstimationResult& result) {
     found = hold_out(silent_stretches(measured_, result));
     found = hold_out(saturated_samples(measured_, result)) || found;
   }
+  const Index settled =
+      result.failure ? 0 : first_settled_sample(problem_->settings, setup_, filtered.run.start, measured_);
   const bool spoilt = !problem_->settings.outliers && options_.outliers.treatment == OutlierTreatment::keep &&
-                      shows_outliers(result, settled(result));
+                      shows_outliers(result, settled);
   if (spoilt) options_.outliers.treatment = OutlierTreatment::robust;
   return restored || found || spoilt;
 }
@@ -82,11 +87,6 @@ bool Screening::hold_out(const std::vector<HeldOutSamples>& found) {
   }
   confirmed_ = options_.held_out;
   return any;
-}
-
-Index Screening::settled(const EstimationResult& result) const {
-  const auto count = static_cast<Index>(std::llround(problem_->settings.settle.value_or(0.0) * record_.sample_rate));
-  return result.failure ? 0 : std::min(count, measured_.samples() - 1);
 }
 
 std::vector<SensorEvent> Screening::faults(const EstimationResult& result) const {

@@ -36,10 +36,9 @@ public:
 
 private:
   FilteredRecord run_once(int substeps);
-  bool changes(const EstimationResult& result);
+  bool changes(const FilteredRecord& filtered);
   [[nodiscard]] bool is_confirmed(const HeldOutSamples& stretch) const;
   bool hold_out(const std::vector<HeldOutSamples>& found);
-  [[nodiscard]] Eigen::Index settled(const EstimationResult& result) const;
   [[nodiscard]] std::vector<SensorEvent> faults(const EstimationResult& result) const;
   void state_noise(const EstimationResult& result);
 
