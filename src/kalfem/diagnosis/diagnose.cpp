@@ -99,9 +99,10 @@ struct TrialPlan {
 std::optional<TrialPlan> plan_for(const DiagnosisInput& input, const FilterRun& run) {
   TrialPlan plan{.substeps = input.problem->settings.substeps.value_or(1), .samples = part_for(input, run)};
   if (!std::isfinite(input.steps)) return plan;
-  plan.refined = 3;
-  plan.most_steps = 6;
-  plan.raced = 20.0;
+  plan.finalists = 6;
+  plan.refined = 2;
+  plan.most_steps = 5;
+  plan.raced = 15.0;
   const double parts = plan.passes(run) + 2.0 * plan.raced;
   const auto affordable = [&] { return static_cast<Index>(input.steps / (parts * plan.substeps)); };
   while (plan.substeps > 1 && affordable() < std::min(plan.samples, fewest_samples)) plan.substeps /= 2;

@@ -25,6 +25,7 @@ constexpr std::size_t most_tried = 4;     ///< unknowns, of which the best
 constexpr std::size_t most_placed = 2;    ///< are placed
 constexpr int most_moves = 4;             ///< by one step
 constexpr double significant = 30.0;      ///< gain
+constexpr double most_left = 0.5;         ///< of the excess of NIS, where the change explains it
 constexpr double band = 1.96;             ///< standard deviations of a change
 constexpr double trimmed = 0.02;          ///< of an unknown's information at either end
 constexpr Index coarse_parts = 64;        ///< of the record: the step to which every unknown's change is placed
@@ -187,13 +188,15 @@ JumpSearchResult find_parameter_jump(const AugmentedModel& augmented_model, cons
   std::vector<Trial> trials;
   for (const auto& hint : hints) {
     if (hint.statistic < std::max(worth_a_run, near_the_largest * hints.front().statistic)) break;
-    if (trials.size() == most_tried) break;
+    if (trials.size() == (budget.is_limited() ? 1 : most_tried)) break;
     Trial trial = search.with_change(history.unknowns[static_cast<std::size_t>(hint.unknown)], hint.sample);
     if (search.stopped()) break;
     trials.push_back(std::move(trial));
   }
   if (trials.empty()) return {.stopped = true};
   std::ranges::sort(trials, std::greater{}, &Trial::log_likelihood);
+  const auto excess_of = [&](const EstimationResult& of) { return contradiction_of(input, of, first).excess; };
+  if (budget.is_limited() && excess_of(trials.front().result) > most_left * excess_of(constant)) return {};
   std::optional<Trial> best;
   for (std::size_t i = 0; i < std::min(trials.size(), most_placed); ++i) {
     Trial trial = search.placed(std::move(trials[i]), 4 * coarse, coarse);
@@ -206,7 +209,7 @@ JumpSearchResult find_parameter_jump(const AugmentedModel& augmented_model, cons
   ParameterJump jump = jump_of(*best);
   jump.gain = 2.0 * (best->log_likelihood() - constant.log_likelihood) / (after.widening * after.widening);
   jump.explains = !after.any;
-  const bool most_is_explained = jump.explains || after.excess < 0.5 * before.excess;
+  const bool most_is_explained = jump.explains || after.excess < most_left * before.excess;
   const bool told = jump.gain > significant && std::abs(jump.after - jump.before) > band * jump.deviation;
   if (told && most_is_explained) return {.jump = jump};
   return {.stopped = search.stopped()};
