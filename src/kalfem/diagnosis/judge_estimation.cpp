@@ -18,6 +18,8 @@ namespace {
 constexpr double hardly_seen = 0.7;     ///< of an unknown input's standard deviation without sensors
 constexpr double drifting = 3.0;        ///< growth of a random walk's standard deviation over the record
 constexpr double poor_open_loop = 0.9;  ///< NRMSE: hardly better than no motion at all
+constexpr double few_outliers = 1e-3;   ///< of a channel's samples
+constexpr Index fewest_values = 50;     ///< degrees of freedom of the tests behind a verdict
 
 struct Limits {
   double least = -infinity, greatest = infinity;
@@ -140,11 +142,18 @@ std::vector<Reason> reasons_of_likelihood(const RecordEstimate& estimate) {
   return reasons;
 }
 
+/// Outliers that the filter gave little weight, or none, bend no estimate while they are few.
+bool is_allowed_for(const SensorEvent& event, const RecordEstimate& estimate) {
+  const auto most = few_outliers * static_cast<double>(estimate.measurements.samples());
+  return event.kind == EventKind::outliers && estimate.outliers != OutlierTreatment::keep &&
+         static_cast<double>(event.count) <= std::max(1.0, most);
+}
+
 /// What was wrong with the sensors. It is left out of the estimates already, so it is a suspicion at most.
 std::vector<Reason> reasons_of_events(const RecordEstimate& estimate) {
   std::vector<Reason> reasons;
   for (const auto& event : estimate.events) {
-    if (!event.is_fault()) continue;
+    if (!event.is_fault() || is_allowed_for(event, estimate)) continue;
     const bool outliers = event.kind == EventKind::outliers;
     reasons.push_back({.code = outliers ? "outliers" : "sensor_" + to_string(event.kind),
                        .subject = event.channel,
@@ -154,15 +163,28 @@ std::vector<Reason> reasons_of_events(const RecordEstimate& estimate) {
   return reasons;
 }
 
-/// A constant unknown that did not stay constant.
-std::vector<Reason> reasons_of_jump(const RecordEstimate& estimate) {
+/// A constant unknown that did not stay constant: the cause of what else contradicts itself, and as grave as that.
+std::vector<Reason> reasons_of_jump(const RecordEstimate& estimate, VerdictState others) {
   std::vector<Reason> reasons;
   for (const auto& event : estimate.events)
     if (event.kind == EventKind::jump)
       reasons.push_back({"parameter_jump", event.channel, event.text,
                          "estimate the record in two parts, or give the unknown a random_walk",
-                         VerdictState::suspicious, std::sqrt(estimate.jump->gain)});
+                         std::max(VerdictState::suspicious, others), infinity});
   return reasons;
+}
+
+/// A test of few values passes nearly any model.
+std::vector<Reason> reasons_of_length(const RecordEstimate& estimate) {
+  const auto& measured = estimate.result.measured;
+  const Index values = measured.tail(measured.size() - estimate.settled).sum();
+  if (values >= fewest_values) return {};
+  const std::string after =
+      estimate.settled > 0 ? fmt::format(" after the first {:.3g} s", estimate.judged_from()) : "";
+  return {{"record_too_short", "",
+           fmt::format("the verdict rests on {} measured values{}: too few to tell a right model from a wrong one",
+                       values, after),
+           "record longer or sample faster; a shorter `settle` leaves more", VerdictState::suspicious, 1.0}};
 }
 
 /// The trial with up to three times as much or as little process noise in which an unknown moves furthest, if that is
@@ -315,7 +337,6 @@ Verdict verdict_of(const RecordEstimate& estimate) {
     return verdict;
   }
   verdict.add(reasons_of_events(estimate));
-  verdict.add(reasons_of_jump(estimate));
   verdict.add(innovation_reasons(innovations_of(estimate)));
   verdict.add(reasons_of_substeps(estimate));
   verdict.add(reasons_of_unknowns(estimate));
@@ -324,6 +345,8 @@ Verdict verdict_of(const RecordEstimate& estimate) {
   verdict.add(reasons_of_process_noise(estimate));
   verdict.add(reasons_of_adapted_noise(estimate));
   verdict.add(reasons_of_open_loop(estimate));
+  verdict.add(reasons_of_length(estimate));
+  verdict.add(reasons_of_jump(estimate, verdict.state()));
   return verdict;
 }
 

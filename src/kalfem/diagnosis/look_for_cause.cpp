@@ -15,8 +15,9 @@ namespace {
 /// record holds little about an unknown, nor where noise is stated too large, which the reason says itself.
 bool has_a_cause(const Reason& reason) {
   static const std::set<std::string> by_themselves{
-      "not_identified",  "correlated",  "combination",  "noise_too_large",  "at_bound",
-      "step_too_coarse", "sensor_dead", "sensor_stuck", "sensor_saturated", "process_noise_decides"};
+      "not_identified", "correlated",       "combination",          "noise_too_large",
+      "at_bound",       "step_too_coarse",  "record_too_short",     "sensor_dead",
+      "sensor_stuck",   "sensor_saturated", "process_noise_decides"};
   return !by_themselves.contains(reason.code);
 }
 
