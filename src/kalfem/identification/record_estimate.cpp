@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kalfem/identification/record_estimate.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <tuple>
 
 #include "kalfem/base/units.hpp"
 #include "kalfem/identification/record_estimation.hpp"
+#include "kalfem/identification/refined_filter.hpp"
 
 namespace kalfem {
 
@@ -61,6 +63,12 @@ double renew_bases(const EstimationProblemPtr& problem, AugmentedModelSetup& set
   return steps;
 }
 
+/// Of a first answer whose substeps are not stated: one that takes fewer leaves as many for what follows.
+double usual_steps(const Record& record) {
+  constexpr int first = SubstepOptions{}.first;
+  return static_cast<double>(record.samples()) * (first + first / 2);
+}
+
 }  // namespace
 
 std::string RecordEstimate::failure() const {
@@ -111,7 +119,7 @@ RecordEstimate estimate_record_thoroughly(const EstimationProblemPtr& problem, A
   StepBudget unlimited;
   const double steps = estimation.steps() + renew_bases(problem, setup, record, options, unlimited, estimation);
   const double allowed = problem->settings.second_thoughts;
-  StepBudget budget(allowed > 0.0 ? allowed * steps : 0.0);
+  StepBudget budget(allowed > 0.0 ? allowed * std::max(steps, usual_steps(record)) : 0.0);
   estimate.second_thoughts = allowed > 0.0 ? SecondThoughts::pending : SecondThoughts::none;
   if (options.on_first_answer) options.on_first_answer(estimate);
   estimation.settle_substeps(budget);
