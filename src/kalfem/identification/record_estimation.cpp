@@ -21,7 +21,6 @@ namespace {
 
 /// Of a sample interval in the search for a jump: what finer steps add is smaller than the jumps that are told.
 constexpr int most_jump_substeps = 8, limited_jump_substeps = 1;
-constexpr double jump_share = 0.5;  ///< of the filter steps that are left, the others are for a mistake
 /// Mean NIS over what is expected: a run that contradicts itself, and by how much rest must be better.
 constexpr double contradicting_nis = 2.0, far_less = 0.5;
 
@@ -89,8 +88,10 @@ SensorEvent event_of(const RecordEstimate& estimate, const ParameterJump& jump) 
           .to = time,
           .count = estimate.measurements.samples() - jump.sample,
           .text = fmt::format(
-              "'{}' changes at {:.6g} s from {:.6g} to {:.6g} {} (by {:.3g}, standard deviation {:.2g})", unknown.name,
-              time, jump.before, jump.after, unknown.unit, jump.after - jump.before, jump.deviation)};
+              "'{}' changes at {:.6g} s (between {:.4g} and {:.4g} s) from {:.6g} to {:.6g} {} (by {:.3g}, standard "
+              "deviation {:.2g})",
+              unknown.name, time, estimate.measurements.time(jump.earliest), estimate.measurements.time(jump.latest),
+              jump.before, jump.after, unknown.unit, jump.after - jump.before, jump.deviation)};
 }
 
 EstimationOptions filter_options(const EstimationProblem& problem, const AugmentedModelSetup& setup,
@@ -222,14 +223,11 @@ void RecordEstimation::look_for_jump(StepBudget& budget) {
   const int substeps = std::min(limited ? limited_jump_substeps : most_jump_substeps, estimate_.substeps.substeps);
   const std::optional<FilterRun> coarse =
       estimate_.substeps.substeps > substeps ? std::optional(coarse_run(substeps)) : std::nullopt;
-  StepBudget share(limited ? jump_share * budget.left() : StepBudget::unlimited);
-  const double before = share.left();
   const FilterRun& run = coarse ? *coarse : *run_;
   EstimationOptions options = screening_->options();
   options.filter = run.choice.filter;
   const auto search = find_parameter_jump(*run.choice.augmented_model, run.input, options, estimate_.result,
-                                          estimate_.settled, static_cast<double>(record_.samples()) * substeps, share);
-  if (limited) budget.take(before - share.left());
+                                          estimate_.settled, static_cast<double>(record_.samples()) * substeps, budget);
   if (search.stopped) estimate_.leave_out("a change of an unknown within the record");
   if (!search.jump) return;
   estimate_.jump = search.jump;

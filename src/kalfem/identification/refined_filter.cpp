@@ -33,9 +33,9 @@ double relative_nis(const EstimationResult& result) {
 /// Whether the model contradicts the record, and more substeps change little of it: what they change of the estimates
 /// then says nothing about the step. What the step adds to the NIS falls at least by four where substeps double.
 bool contradicts_anyway(const Estimates& coarse, const Estimates& fine) {
-  constexpr double contradiction = 2.0, most = 0.5;
-  const double without_step = fine.nis - (coarse.nis - fine.nis) / 3.0;
-  return without_step > std::max(contradiction, most * fine.nis);
+  constexpr double contradiction = 0.3, most = 0.5;
+  const double excess = fine.nis - 1.0, without_step = excess - (coarse.nis - fine.nis) / 3.0;
+  return without_step > std::max(contradiction, most * excess);
 }
 
 Estimates estimates_of(const AugmentedModelSetup& setup, const EstimationResult& result, int substeps) {

@@ -26,8 +26,7 @@ double slowest_decay(const CoupledModel& coupled) try {
   const LinearModel model = linearised_at_rest(coupled);
   const NormalModes modes = normal_modes(model.mass, model.stiffness);
   MatrixXd damped = model.damping * modes.shapes;
-  if (model.modal_damping.rates.size() > 0)
-    damped += damping_force(model.modal_damping, model.mass, modes.shapes);
+  if (model.modal_damping.rates.size() > 0) damped += damping_force(model.modal_damping, model.mass, modes.shapes);
   double slowest = std::numeric_limits<double>::infinity();
   for (Index i = 0; i < modes.frequencies.size(); ++i)
     if (modes.frequencies[i] > rigid * modes.frequencies.maxCoeff())
@@ -50,7 +49,8 @@ double settling_time(const EstimationSettings& settings, const AugmentedModelSet
 
 Index first_settled_sample(const EstimationSettings& settings, const AugmentedModelSetup& setup,
                            const RecordStart& start, const Record& record) {
-  const auto first = static_cast<Index>(std::llround(settling_time(settings, setup, start, record) * record.sample_rate));
+  const auto first =
+      static_cast<Index>(std::llround(settling_time(settings, setup, start, record) * record.sample_rate));
   return std::clamp<Index>(first, 0, record.samples() - 1);
 }
 
