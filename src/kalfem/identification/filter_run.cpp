@@ -210,8 +210,9 @@ void choose_with_start(const EstimationProblemPtr& problem, const AugmentedModel
   if (const auto known = known_start(problem->settings, setup, record)) return choose_for(*known);
   choose_for({.reason = "the structure is at rest at the first sample"});
   const EstimationOptions options{.filter = run.choice.filter, .unscented = problem->settings.unscented};
-  if (!rests_at_first_sample(*run.choice.augmented_model, run.input, options))
-    choose_for({.moving = true, .reason = "its first samples are not those of rest"});
+  const RecordStart start = start_by_first_samples(*run.choice.augmented_model, run.input, options);
+  run.start = start;
+  if (start.moving) choose_for(start);
 }
 
 FilterAttempt attempt_of(const FilteredRecord& filtered) {

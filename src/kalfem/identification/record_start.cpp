@@ -253,7 +253,8 @@ bool states_initial_motion(const EstimationSettings& settings) {
          !settings.initial_connector_states.empty();
 }
 
-bool rests_at_first_sample(const AugmentedModel& augmented_model, const FilterInput& input, EstimationOptions options) {
+RecordStart start_by_first_samples(const AugmentedModel& augmented_model, const FilterInput& input,
+                                   EstimationOptions options) {
   const Index samples = std::min(first_samples, input.measured.samples());
   const Index stride = input.input_stride(augmented_model.options().substeps);
   FilterInput head{input.measured, input.inputs.leftCols((samples - 1) * stride + 1), input.noise};
@@ -262,8 +263,10 @@ bool rests_at_first_sample(const AugmentedModel& augmented_model, const FilterIn
   const VectorXd sizes = sizes_of(input.measured.values);
   for (Index aside = 0;; ++aside) {
     const auto result = estimate(augmented_model, head, options);
-    if (looks_like_rest(result, sizes)) return true;
-    if (aside == samples / samples_for_a_spike) return false;
+    if (looks_like_rest(result, sizes))
+      return {.spiked = aside > 0, .reason = "the structure is at rest at the first sample"};
+    if (aside == samples / samples_for_a_spike)
+      return {.moving = true, .reason = "its first samples are not those of rest"};
     set_largest_aside(result, head.measured.values);
   }
 }

@@ -23,12 +23,13 @@ std::string explain(const RecordStart& start);
 /// Whether the case says where the structure starts, so that the record need not tell.
 bool states_initial_motion(const EstimationSettings& settings);
 
-/// Whether a filter that is sure of rest at the start can follow the record's first samples: their NIS is neither
+/// Rest, where a filter that is sure of it can follow the record's first samples: their NIS is neither
 /// significant (above the 1 - 1e-6 quantile of chi-squared) nor large (four per channel: twice the deviations), or no
 /// innovation exceeds 0.3 of its channel's root mean square, as an error of the model may make it.
 /// Inputs and the doubt about unknowns are in the NIS, so that a ground that jerks at once is no motion before. A spike
 /// is no motion either: of five samples of a channel the one furthest from its prediction may be left out.
-bool rests_at_first_sample(const AugmentedModel& augmented_model, const FilterInput& input, EstimationOptions options);
+RecordStart start_by_first_samples(const AugmentedModel& augmented_model, const FilterInput& input,
+                                   EstimationOptions options);
 
 /// Gives the prior of a structure that already moves at the first sample deviations of the record's size: about rest,
 ///     Cov(z) = sum_r phi_r phi_r^T s_r^2 / w_r^4 + sum_i g_i g_i^T,   Cov(z') = sum_r phi_r phi_r^T s_r^2 / w_r^2 +

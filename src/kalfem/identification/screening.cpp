@@ -28,6 +28,12 @@ Screening::Screening(EstimationProblemPtr problem, AugmentedModelSetup setup, Re
 FilteredRecord Screening::run(int substeps) {
   const bool searches = problem_->settings.outliers != OutlierTreatment::keep;
   FilteredRecord filtered = run_once(substeps);
+  // A spike among the first samples throws a run away in which it counts in full.
+  if (!problem_->settings.outliers && filtered.run.start.spiked &&
+      options_.outliers.treatment == OutlierTreatment::keep) {
+    options_.outliers.treatment = OutlierTreatment::robust;
+    filtered = run_once(substeps);
+  }
   for (int runs = 1; searches && runs < most_runs && changes(filtered); ++runs) {
     state_noise(filtered.result);
     filtered = run_once(substeps);
