@@ -9,7 +9,8 @@
 #include "filter_walk.hpp"
 #include "kalfem/base/parallel.hpp"
 #include "kalfem/identification/filter_likelihood.hpp"
-#include "kalfem/pipeline/run_steps.hpp"
+#include "kalfem/steps/run_study.hpp"
+#include "kalfem/steps/simulation/field_series.hpp"
 #include "timing.hpp"
 
 namespace {
@@ -94,7 +95,7 @@ int main(int argc, char** argv) {
   }
   try {
     const Study chain = load_study(argv[1]);
-    time_likelihoods(chain, record_of(chain, run_study(chain, Step::simulate)));
+    time_likelihoods(chain, record_of(chain, run_study(chain, "simulate")));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 2;

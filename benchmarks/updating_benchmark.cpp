@@ -12,7 +12,8 @@
 #include "kalfem/identification/initial_state.hpp"
 #include "kalfem/identification/record_residual.hpp"
 #include "kalfem/identification/simulation_residual.hpp"
-#include "kalfem/pipeline/run_steps.hpp"
+#include "kalfem/steps/run_study.hpp"
+#include "kalfem/steps/simulation/field_series.hpp"
 #include "timing.hpp"
 
 namespace {
@@ -100,7 +101,7 @@ void time_iterations(const Study& study, const Record& record, int repetitions) 
   line("  ratio to the three", median(later) / median(sums), "");
 }
 
-Record simulated_record(const Study& study) { return record_of(study, run_study(study, Step::simulate)); }
+Record simulated_record(const Study& study) { return record_of(study, run_study(study, "simulate")); }
 
 }  // namespace
 

@@ -52,7 +52,7 @@ endfunction()
 set(common <eigen_instances.hpp> <algorithm> <array> <cmath> <filesystem> <fstream> <functional> <limits> <map>
            <memory> <numbers> <numeric> <optional> <set> <span> <sstream> <string> <string_view> <utility> <variant> <vector>)
 set(identification <kalfem/identification/record_estimate.hpp> <kalfem/identification/parameterised_structure.hpp>)
-set(case <nlohmann/json.hpp> <kalfem/casefile/description.hpp> <kalfem/pipeline/run_study.hpp> <kalfem/report/page.hpp>)
+set(case <nlohmann/json.hpp> <kalfem/casefile/description.hpp> <kalfem/steps/run_study.hpp> <kalfem/page/page.hpp>)
 kalfem_precompiled_headers(kalfem_headers HEADERS ${common})
 kalfem_precompiled_headers(kalfem_identification_headers HEADERS ${common} ${identification})
 kalfem_precompiled_headers(kalfem_case_headers LIBRARIES fmt::fmt HEADERS ${common} ${identification} ${case})

@@ -37,8 +37,10 @@ ALLOWED["casefile"] = LIBRARY | {"identification", "yaml"}
 ALLOWED["study"] = ALLOWED["casefile"] | {"casefile"}
 ALLOWED["diagnosis"] = CORE | {"identification", "verdict"}
 ALLOWED["api"] = ALLOWED["diagnosis"] | {"diagnosis"}
-ALLOWED["pipeline"] = LIBRARY | {"identification", "diagnosis", "study"}
-ALLOWED["report"] = ALLOWED["pipeline"] | {"pipeline"}
+ALLOWED["pictures"] = CORE | {"identification"}
+ALLOWED["page"] = NUMERICS | {"statistics", "records", "verdict", "pictures"}
+ALLOWED["steps"] = LIBRARY | {"identification", "diagnosis", "study", "pictures", "page"}
+ALLOWED["report"] = ALLOWED["steps"] | {"steps"}
 INCLUDE = re.compile(r'#include "kalfem/(\w+)/')
 
 

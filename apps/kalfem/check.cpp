@@ -7,15 +7,15 @@
 
 #include "console.hpp"
 #include "kalfem/base/atomic_file.hpp"
-#include "kalfem/pipeline/record_expectation.hpp"
-#include "kalfem/pipeline/reported_quantities.hpp"
-#include "kalfem/pipeline/run_inference.hpp"
-#include "kalfem/pipeline/run_study.hpp"
-#include "kalfem/pipeline/run_updating.hpp"
+#include "kalfem/page/words.hpp"
+#include "kalfem/report/model_check_section.hpp"
 #include "kalfem/report/record_check.hpp"
-#include "kalfem/report/sections.hpp"
-#include "kalfem/report/summary_parts.hpp"
-#include "kalfem/report/tables.hpp"
+#include "kalfem/steps/inference/compute.hpp"
+#include "kalfem/steps/modes/compute.hpp"
+#include "kalfem/steps/record/record_expectation.hpp"
+#include "kalfem/steps/record/record_report.hpp"
+#include "kalfem/steps/updating/compute.hpp"
+#include "kalfem/steps/validation/report.hpp"
 #include "verbs.hpp"
 
 namespace kalfem::command {

@@ -3,9 +3,8 @@
 
 #include "console.hpp"
 #include "kalfem/base/atomic_file.hpp"
-#include "kalfem/report/comparison_page.hpp"
-#include "kalfem/report/comparison_report.hpp"
-#include "kalfem/report/tables.hpp"
+#include "kalfem/page/words.hpp"
+#include "kalfem/report/finished/comparison_report.hpp"
 #include "verbs.hpp"
 
 namespace kalfem::command {

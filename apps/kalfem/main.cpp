@@ -13,6 +13,7 @@
 #include "kalfem/base/freed_memory.hpp"
 #include "kalfem/base/version.hpp"
 #include "kalfem/formats/deck.hpp"
+#include "kalfem/steps/table.hpp"
 #include "little_memory.hpp"
 #include "ranks.hpp"
 #include "verbs.hpp"
@@ -46,8 +47,8 @@ CLI::Option* add_units(CLI::App& verb, Arguments& arguments) {
       ->expected(3);
 }
 
-CLI::App* add_run_verb(CLI::App& app, const char* verb, const char* meaning, Arguments& arguments) {
-  auto* command = app.add_subcommand(verb, meaning);
+CLI::App* add_run_verb(CLI::App& app, std::string_view verb, std::string_view meaning, Arguments& arguments) {
+  auto* command = app.add_subcommand(std::string(verb), std::string(meaning));
   command->add_option("case", arguments.run.case_file, "case file (YAML)")->required();
   command->add_option("--out", arguments.run.folder, "folder for the results; default: <case>.kalfem-out");
   add_changes(*command, arguments);
@@ -117,17 +118,9 @@ command::ExitCode execute(const CLI::App& app, Arguments& arguments) {
   if (!arguments.resumed.empty()) return command::resume(arguments.resumed, arguments.run);
   if (arguments.run.case_file.empty())
     throw InvalidInput("no case is given", "", "name a case file, or an interrupted run: kalfem run --resume DIR");
-  for (const auto& [verb, step] : {std::pair{"modes", Step::modes},
-                                   {"simulate", Step::simulate},
-                                   {"estimate", Step::estimate},
-                                   {"predict", Step::predict},
-                                   {"update", Step::update},
-                                   {"infer", Step::infer},
-                                   {"place", Step::place},
-                                   {"static", Step::statics},
-                                   {"frf", Step::frequency_response}})
-    if (app.got_subcommand(verb)) return command::run(arguments.run, step);
-  return command::run(arguments.run, Step::everything);
+  for (const auto* step : verbs())
+    if (app.got_subcommand(std::string(step->name))) return command::run(arguments.run, step->name);
+  return command::run(arguments.run, every_step);
 }
 
 /// Runs a part of the command; what it throws becomes a message and an exit code.
@@ -173,29 +166,7 @@ command::ExitCode told(const CLI::App& app, const CLI::ParseError& error, const 
   return asked_for ? command::done : command::mend_the_input;
 }
 
-void add_verbs(CLI::App& app, Arguments& arguments) {
-  app.set_version_flag("--version", version);
-  app.require_subcommand(1);
-  auto* run = add_run_verb(app, "run", "run everything the case asks for", arguments);
-  run->get_option("case")->required(false);
-  auto* resume = run->add_option("--resume", arguments.resumed,
-                                 "go on with the interrupted run of this folder, in place of a case");
-  for (const char* other : {"case", "--out", "--set"}) resume->excludes(run->get_option(other));
-  auto* modes =
-      add_run_verb(app, "modes", "compute the natural modes of every substructure, or of a deck alone", arguments);
-  add_units(*modes, arguments);
-  modes->add_option("--modes", arguments.deck.count, "how many modes of a deck; default: 20")
-      ->check(CLI::Range(1, 10000));
-  add_run_verb(app, "simulate", "simulate the structure and make its record", arguments);
-  add_run_verb(app, "estimate", "estimate the states and the unknown parameters, running the steps this needs",
-               arguments);
-  add_run_verb(app, "predict", "predict the response of a linear substructure, running the steps this needs",
-               arguments);
-  add_run_verb(app, "update", "update the linear substructures from measurements, running the steps this needs",
-               arguments);
-  add_run_verb(app, "infer", "what the data tell of the unknowns: posterior, evidence, which law", arguments);
-  add_run_verb(app, "place", "where to put sensors", arguments);
-  add_run_verb(app, "static", "displacements, reactions and stresses under static loads", arguments);
+void add_sweep(CLI::App& app, Arguments& arguments) {
   auto* sweep =
       app.add_subcommand("sweep", "run a case many times on all cores: combinations of values, seeds of noise");
   sweep->add_option("case", arguments.sweep.case_file, "case file (YAML)")->required();
@@ -209,7 +180,24 @@ void add_verbs(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(1, 4096));
   sweep->add_option("--out", arguments.sweep.folder, "folder for the results; default: <case>.kalfem-sweep");
   add_changes(*sweep, arguments);
-  add_run_verb(app, "frf", "frequency responses of the structure, linear about rest", arguments);
+}
+
+void add_verbs(CLI::App& app, Arguments& arguments) {
+  app.set_version_flag("--version", version);
+  app.require_subcommand(1);
+  auto* run = add_run_verb(app, "run", "run everything the case asks for", arguments);
+  run->get_option("case")->required(false);
+  auto* resume = run->add_option("--resume", arguments.resumed,
+                                 "go on with the interrupted run of this folder, in place of a case");
+  for (const char* other : {"case", "--out", "--set"}) resume->excludes(run->get_option(other));
+  for (const auto* step : verbs()) {
+    add_run_verb(app, step->name, step->meaning, arguments);
+    if (step->name == "static") add_sweep(app, arguments);  // its place in the help
+  }
+  auto* modes = app.get_subcommand("modes");
+  add_units(*modes, arguments);
+  modes->add_option("--modes", arguments.deck.count, "how many modes of a deck; default: 20")
+      ->check(CLI::Range(1, 10000));
   auto* check = app.add_subcommand("check", "validate and explain a case file or a deck without running it");
   check->add_option("case", arguments.case_file, "case file (YAML) or deck (.inp, .bdf, .dat, .nas)")->required();
   add_changes(*check, arguments);

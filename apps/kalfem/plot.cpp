@@ -8,8 +8,8 @@
 #include "console.hpp"
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/interruption.hpp"
-#include "kalfem/report/chart_svg.hpp"
-#include "kalfem/report/run_figures.hpp"
+#include "kalfem/page/chart_svg.hpp"
+#include "kalfem/report/finished/run_figures.hpp"
 #include "verbs.hpp"
 
 namespace kalfem::command {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kalfem/report/finished_report.hpp"
+#include "kalfem/report/console_report.hpp"
+#include "kalfem/report/finished/finished_report.hpp"
 
 #include "console.hpp"
 #include "verbs.hpp"

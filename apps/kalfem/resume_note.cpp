@@ -7,6 +7,7 @@
 #include "kalfem/base/hash.hpp"
 #include "kalfem/base/regular_file.hpp"
 #include "kalfem/base/version.hpp"
+#include "kalfem/steps/table.hpp"
 
 namespace kalfem::command {
 namespace {
@@ -26,15 +27,12 @@ std::string hash_of(const std::string& text) {
 
 }  // namespace
 
-ResumeNote::ResumeNote(const fs::path& folder, const RunArguments& arguments, Step last,
+ResumeNote::ResumeNote(const fs::path& folder, const RunArguments& arguments, std::string_view verb,
                        const std::string& resolved_case)
     : file_(folder / file_name) {
-  const Json note{{"kalfem", version},
-                  {"case", fs::absolute(arguments.case_file).lexically_normal().string()},
-                  {"last_step", static_cast<int>(last)},
-                  {"set", arguments.changes},
-                  {"strict", arguments.strict},
-                  {"case_hash", hash_of(resolved_case)}};
+  const Json note{{"kalfem", version},          {"case", fs::absolute(arguments.case_file).lexically_normal().string()},
+                  {"last_step", verb},          {"set", arguments.changes},
+                  {"strict", arguments.strict}, {"case_hash", hash_of(resolved_case)}};
   write_file_atomically(file_, note.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
@@ -65,9 +63,8 @@ NotedRun read_resume_note(const fs::path& folder) {
     run.arguments.changes = note.at("set").get<std::vector<std::string>>();
     run.arguments.strict = note.at("strict");
     run.case_hash = note.at("case_hash");
-    const int last = note.at("last_step");
-    if (last < 0 || last > static_cast<int>(Step::everything)) throw Json::other_error::create(501, "step", &note);
-    run.last = static_cast<Step>(last);
+    run.verb = note.at("last_step");
+    if (run.verb != every_step && !find_step(run.verb)) throw Json::other_error::create(501, "step", &note);
     return run;
   } catch (const Json::exception&) {
     fail(file, "it is damaged", "", "run the case again");

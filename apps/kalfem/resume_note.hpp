@@ -16,7 +16,7 @@ public:
   static constexpr const char* file_name = "run.resume.json";
 
   /// Writes the note. Throws as write_file_atomically().
-  ResumeNote(const std::filesystem::path& folder, const RunArguments& arguments, Step last,
+  ResumeNote(const std::filesystem::path& folder, const RunArguments& arguments, std::string_view verb,
              const std::string& resolved_case);
   ResumeNote(const ResumeNote&) = delete;
   ResumeNote& operator=(const ResumeNote&) = delete;
@@ -33,7 +33,7 @@ private:
 /// A run as it was started: verb, case, changes, and a hash of the case with all its defaults.
 struct NotedRun {
   RunArguments arguments;
-  Step last = Step::everything;
+  std::string verb = std::string(every_step);
   std::string case_hash;
 
   /// Throws InvalidInput if this is not the case as it was.

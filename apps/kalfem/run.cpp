@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <filesystem>
 #include <optional>
 
 #include "console.hpp"
 #include "kalfem/base/output_folder.hpp"
-#include "kalfem/pipeline/likelihood_checkpoint.hpp"
-#include "kalfem/pipeline/simulation_checkpoint.hpp"
-#include "kalfem/pipeline/updating_checkpoint.hpp"
+#include "kalfem/report/console_report.hpp"
 #include "kalfem/report/result_set.hpp"
-#include "kalfem/report/run_details.hpp"
-#include "kalfem/report/tables.hpp"
-#include "kalfem/report/updating_tables.hpp"
+#include "kalfem/steps/estimation/report.hpp"
+#include "kalfem/steps/simulation/outcome.hpp"
+#include "kalfem/steps/table.hpp"
+#include "kalfem/steps/updating/report.hpp"
 #include "resume_note.hpp"
 #include "verbs.hpp"
 
@@ -24,22 +24,13 @@ fs::path output_folder(const std::string& case_file, const std::string& asked) {
 }
 
 /// A verb that asks for one step needs its section.
-void require_section(const Study& study, Step asked) {
-  const auto require = [&](bool present, const std::string& section, const std::string& verb = {}) {
-    if (!present)
-      throw InvalidInput(Issue{{study.file, 1},
-                               "the case has no `" + section + "`",
-                               "`kalfem " + (verb.empty() ? section : verb) + "`",
-                               "add the section or use another verb"});
-  };
-  if (asked == Step::simulate) require(study.simulation.has_value(), "simulate");
-  if (asked == Step::estimate) require(study.problem != nullptr, "estimate");
-  if (asked == Step::predict) require(study.prediction.has_value() || !study.modifications.empty(), "predict");
-  if (asked == Step::update) require(study.updating.has_value(), "update");
-  if (asked == Step::infer) require(study.inference.has_value(), "infer");
-  if (asked == Step::place) require(study.placement.has_value(), "place");
-  if (asked == Step::statics) require(study.statics.has_value(), "static");
-  if (asked == Step::frequency_response) require(study.frequency_response.has_value(), "frequency_response", "frf");
+void require_section(const Study& study, std::string_view verb) {
+  const RunStep* step = find_step(verb);
+  if (!step || step->asked_for(study)) return;
+  throw InvalidInput(Issue{{study.file, 1},
+                           fmt::format("the case has no `{}`", step->section_name()),
+                           fmt::format("`kalfem {}`", step->name),
+                           "add the section or use another verb"});
 }
 
 /// Every reason for the verdict, worst first.
@@ -51,10 +42,17 @@ void print_reasons(const StudyResults& results) {
   for (const auto& warning : results.warnings) print_error("warning: {}\n", warning);
 }
 
-/// The checkpoint from which a run can go on; nothing if it would begin again.
+/// Whether an interrupted run has found what somebody wants to see.
+bool worth_writing(const StudyResults& results) {
+  return results.has<SimulationOutcome>() || results.has<UpdatingOutcome>() || results.has<EstimationOutcome>();
+}
+
+/// The checkpoint from which a run can go on, that of the latest step; nothing if it would begin again.
 std::optional<fs::path> checkpoint_in(const fs::path& folder) {
-  for (const char* name : {checkpoint_name, likelihoods_name, simulation_name})
-    if (fs::exists(folder / name)) return folder / name;
+  constexpr std::array<std::string_view, 3> latest_first{"update", "infer", "simulate"};
+  for (const auto* step : steps_in_order(latest_first))
+    if (!step->checkpoint.file.empty() && fs::exists(folder / step->checkpoint.file))
+      return folder / step->checkpoint.file;
   return std::nullopt;
 }
 
@@ -89,20 +87,20 @@ class Run {
 public:
   /// The output folder is taken, and the standard output tried, before anything is computed. `noted`: the run that is
   /// resumed, if one is.
-  Run(const RunArguments& arguments, Step last, const NotedRun* noted = nullptr)
+  Run(const RunArguments& arguments, std::string_view verb, const NotedRun* noted = nullptr)
       : arguments_(arguments),
         progress_(arguments.told == Told::report),
         folder_(output_folder(arguments.case_file, arguments.folder)),
         study_(load_study(arguments.case_file, changes_of(arguments.changes), progress_.of_loading())) {
     if (noted) noted->require_same_case(study_.resolved_case);
-    require_section(study_, last);
+    require_section(study_, verb);
     require_result_places(folder_.path(), study_);
     tell("{}\n\n", study_.title.empty() ? fs::path(study_.file).filename().string() : study_.title);
     for (const auto& warning : study_.warnings) print_error("warning: {}\n", warning);
     require_output();
-    note_.emplace(folder_.path(), arguments, last, study_.resolved_case);
+    note_.emplace(folder_.path(), arguments, verb, study_.resolved_case);
     results_ = run_study(
-        study_, last,
+        study_, verb,
         {.progress = progress_.of_running(),
          .folder = folder_.path(),
          .on_updating_step = [&](int number,
@@ -113,7 +111,9 @@ public:
   }
 
   ExitCode write_and_tell() {
-    if (results_.interrupted && !results_.simulation && !results_.updating && !results_.estimation) throw Interrupted();
+    if (results_.interrupted && !results_.has<SimulationOutcome>() && !results_.has<UpdatingOutcome>() &&
+        !results_.has<EstimationOutcome>())
+      throw Interrupted();
     const ResultSet set = write_result_set(folder_, study_, results_, watch_);
     if (arguments_.told == Told::report) print_report(console_report(study_, results_));
     if (arguments_.verbose) print_report(console_details(study_, results_));
@@ -140,7 +140,7 @@ private:
 
   void write_and_tell_first(const StudyResults& results) {
     write_first_answer(folder_, study_, results, watch_);
-    if (is_read_on_terminal()) tell("{}\n", console_first_answer(study_, results));
+    if (is_read_on_terminal()) tell("{}\n", console_first_answer(study_, results.get<EstimationOutcome>()));
   }
 
   void tell_files(const ResultSet& set) const {
@@ -179,14 +179,14 @@ std::vector<CaseChange> changes_of(const std::vector<std::string>& texts) {
   return changes;
 }
 
-ExitCode run(const RunArguments& arguments, Step last) { return Run(arguments, last).write_and_tell(); }
+ExitCode run(const RunArguments& arguments, std::string_view verb) { return Run(arguments, verb).write_and_tell(); }
 
 ExitCode resume(const std::string& folder, const RunArguments& arguments) {
   NotedRun noted = read_resume_note(folder);
   noted.arguments.told = arguments.told;
   noted.arguments.verbose = arguments.verbose;
   noted.arguments.strict = noted.arguments.strict || arguments.strict;
-  return Run(noted.arguments, noted.last, &noted).write_and_tell();
+  return Run(noted.arguments, noted.verb, &noted).write_and_tell();
 }
 
 }  // namespace kalfem::command

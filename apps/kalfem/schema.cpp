@@ -6,7 +6,7 @@
 
 #include "console.hpp"
 #include "kalfem/casefile/case_schema.hpp"
-#include "kalfem/report/tables.hpp"
+#include "kalfem/page/words.hpp"
 #include "kalfem/system/laws/expression_tape.hpp"
 #include "kalfem/system/laws/law_library.hpp"
 #include "kalfem/yaml/editor_schema.hpp"

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "console.hpp"
-#include "kalfem/report/sweep_report.hpp"
-#include "kalfem/report/tables.hpp"
+#include "kalfem/page/words.hpp"
+#include "kalfem/report/finished/sweep_report.hpp"
 #include "sweep_on_ranks.hpp"
 #include "verbs.hpp"
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "kalfem/report/sweep.hpp"
+#include "kalfem/report/finished/sweep.hpp"
 
 namespace kalfem::command {
 

@@ -5,9 +5,10 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/steps/run_study.hpp"
 
 namespace kalfem::command {
 
@@ -26,9 +27,9 @@ struct RunArguments {
   bool strict = false;   ///< suspicious results are not usable
 };
 
-/// run (everything), simulate, estimate, predict, update, infer, place: the steps up to `last`. A case without the
-/// section of the step is an error. Asked to stop (stop_question()), it writes what is finished.
-ExitCode run(const RunArguments& arguments, Step last);
+/// run (every_step), or the verb of a step (run_steps()), with the steps that it needs. A case without the section of
+/// the step is an error. Asked to stop (stop_question()), it writes what is finished.
+ExitCode run(const RunArguments& arguments, std::string_view verb);
 /// run --resume: goes on with the interrupted run of a folder, with its verb, case and changes. Of the arguments, only
 /// how it is told counts, and whether it is strict.
 ExitCode resume(const std::string& folder, const RunArguments& arguments);

@@ -3,8 +3,9 @@
 #include <memory>
 
 #include "calls.hpp"
-#include "kalfem/pipeline/sample_posterior.hpp"
-#include "kalfem/pipeline/search_start.hpp"
+#include "kalfem/steps/inference/outcome.hpp"
+#include "kalfem/steps/inference/posterior.hpp"
+#include "kalfem/steps/run_study.hpp"
 
 namespace kalfem::python {
 namespace {
@@ -26,7 +27,7 @@ std::shared_ptr<OpenedLikelihood> open_likelihood(const std::string& file, const
     opened->search = {likelihood_of_comparisons(study, {}), start_of(*study.inference)};
     return opened;
   }
-  opened->results = run_study(study, Step::simulate);
+  opened->results = run_study(study, "simulate");
   if (!opened->results.complete()) throw InvalidInput(Issue{{file, 0}, opened->results.failure, "", ""});
   opened->search = begin_search(study, record_of(study, opened->results), nullptr);
   return opened;

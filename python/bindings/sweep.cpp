@@ -3,7 +3,7 @@
 
 #include "calls.hpp"
 #include "kalfem/base/parallel.hpp"
-#include "kalfem/report/sweep_report.hpp"
+#include "kalfem/report/finished/sweep_report.hpp"
 
 namespace kalfem::python {
 namespace {

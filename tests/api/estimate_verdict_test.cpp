@@ -6,6 +6,8 @@
 #include "diagnosis/case_family.hpp"
 #include "kalfem/report/result_set.hpp"
 #include "kalfem/report/run_case.hpp"
+#include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/run_study.hpp"
 
 // Whether the numbers of an estimation can be trusted: the library says the same as the command does of the same
 // record.
@@ -35,7 +37,7 @@ struct Command {
   StudyResults results;
   nlohmann::ordered_json summary;
 
-  explicit Command(double sign_of_a7) : study(study_of_chain(sign_of_a7)), results(run_study(study, Step::estimate)) {
+  explicit Command(double sign_of_a7) : study(study_of_chain(sign_of_a7)), results(run_study(study, "estimate")) {
     summary = summarise(study, results);
   }
 
@@ -121,7 +123,7 @@ TEST(EstimateVerdict, NamesASensorOfTheWrongSignAsTheCommandDoes) {
   EXPECT_EQ(reasons.front().remedy, expected.front().remedy);
   expect_same_numbers(result, command.summary);
   // Every mistake that was tested, best first.
-  const auto& tested = command.results.estimation->diagnosis->tested;
+  const auto& tested = command.results.get<EstimationOutcome>().diagnosis->tested;
   ASSERT_EQ(result.diagnosis->tested.size(), tested.size());
   for (std::size_t i = 0; i < tested.size(); ++i) EXPECT_EQ(result.diagnosis->tested[i].code, tested[i].code);
   EXPECT_EQ(result.diagnosis->cause()->subject, "a7");
@@ -159,7 +161,7 @@ TEST(CaseVerdict, IsInTheResultOfACaseThatAProgramRuns) {
   EXPECT_FALSE(result.usable());
   EXPECT_EQ(result.verdict.state(), VerdictState::unusable);
   EXPECT_EQ(codes_of(result.verdict), codes_of(with_wrong_sign().results.verdict));
-  EXPECT_EQ(result.estimated.at(0).std_robust, with_wrong_sign().results.estimation->robust_deviation[0]);
+  EXPECT_EQ(result.estimated.at(0).std_robust, with_wrong_sign().results.get<EstimationOutcome>().robust_deviation[0]);
 }
 
 }  // namespace

@@ -5,7 +5,9 @@
 
 #include "casefile/case_run.hpp"
 #include "chain.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+
+#include "kalfem/steps/study_results.hpp"
+#include "kalfem/steps/updating/outcome.hpp"
 
 // Whether the numbers of an updating can be trusted: the library says the same as the command does of the same
 // frequencies.
@@ -60,7 +62,7 @@ update:
   compare: {{frequencies: {{modes: tower, frequencies: [{}], deviation: 0.2 %}}}}
 )",
                                 fmt::join(measured, ", ")),
-                    Step::update);
+                    "update");
 }
 
 void expect_same(const UpdateResult& found, const StudyResults& expected) {
@@ -71,7 +73,7 @@ void expect_same(const UpdateResult& found, const StudyResults& expected) {
     EXPECT_EQ(reasons[i].subject, of_command[i].subject);
     EXPECT_EQ(reasons[i].text, of_command[i].text);
   }
-  const auto& outcome = *expected.updating;
+  const auto& outcome = expected.get<UpdatingOutcome>();
   EXPECT_NEAR(found.parameters[0].value, outcome.values[0], 1e-3 * found.parameters[0].std);
   EXPECT_NEAR(found.parameters[0].std, outcome.statistics.deviations[0], 1e-3 * found.parameters[0].std);
   EXPECT_NEAR(found.parameters[0].std_robust, outcome.robust.deviations[0], 1e-3 * found.parameters[0].std);

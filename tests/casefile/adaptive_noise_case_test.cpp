@@ -3,9 +3,10 @@
 
 #include "casefile/case_run.hpp"
 #include "kalfem/diagnosis/judge_estimation.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/report/console_report.hpp"
 #include "kalfem/report/result_set.hpp"
-#include "kalfem/report/tables.hpp"
+#include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/run_study.hpp"
 
 // Noise that adapts, from the case to its results; and maximum likelihood on the same wrong noise.
 
@@ -48,11 +49,11 @@ const std::string unmodelled = "\n  g: {force: s.2, random: {rms: 5 N, band: [0.
 StudyResults estimated(const std::string& estimate, double factor, const std::string& force = "") {
   const Study truth = study_of(stated(1.0, force));
   Study model = study_of(stated(factor) + estimate);
-  StudyResults results = run_study(truth, Step::simulate);
+  StudyResults results = run_study(truth, "simulate");
   Record record = record_of(truth, results);
   for (auto& channel : record.channels) channel.noise *= factor;
-  results.estimation.emplace();
-  static_cast<RecordEstimate&>(*results.estimation) =
+  results.put(EstimationOutcome{});
+  static_cast<RecordEstimate&>(results.get<EstimationOutcome>()) =
       estimate_record_thoroughly(model.problem, *model.augmented_model, record);
   return results;
 }
@@ -79,9 +80,11 @@ void expect_right(const RecordEstimate& estimate, const std::string& what) {
 
 TEST(AdaptiveNoiseCase, MakesWrongNoiseConsistent) {
   for (const double factor : {0.1, 10.0})
-    expect_right(*estimated("  adaptive_noise: {sensors: true}\n", factor).estimation, std::to_string(factor));
+    expect_right(estimated("  adaptive_noise: {sensors: true}\n", factor).get<EstimationOutcome>(),
+                 std::to_string(factor));
   // A force on one mass is no white noise on both, so nothing is asked of the stiffness.
-  expect_consistent(*estimated("  adaptive_noise: {process: true}\n", 1.0, unmodelled).estimation, "forces");
+  expect_consistent(estimated("  adaptive_noise: {process: true}\n", 1.0, unmodelled).get<EstimationOutcome>(),
+                    "forces");
 }
 
 TEST(AdaptiveNoiseCase, MaximumLikelihoodMakesItConsistentToo) {
@@ -91,7 +94,8 @@ TEST(AdaptiveNoiseCase, MaximumLikelihoodMakesItConsistentToo) {
                             factor)
                       .estimation,
                  std::to_string(factor));
-  expect_consistent(*estimated("    process_noise: {initial: 0.1}\n", 1.0, unmodelled).estimation, "forces");
+  expect_consistent(estimated("    process_noise: {initial: 0.1}\n", 1.0, unmodelled).get<EstimationOutcome>(),
+                    "forces");
 }
 
 TEST(AdaptiveNoiseCase, SaysWhereTheNoiseWentFarFromWhatWasStated) {
@@ -101,21 +105,23 @@ TEST(AdaptiveNoiseCase, SaysWhereTheNoiseWentFarFromWhatWasStated) {
     return std::string();
   };
   // Where both are far off, noise of a sensor may pass as process noise: each is asked by itself.
-  const std::string text = code_of(*estimated("  adaptive_noise: {sensors: true}\n", 0.1).estimation, "a2");
+  const std::string text =
+      code_of(estimated("  adaptive_noise: {sensors: true}\n", 0.1).get<EstimationOutcome>(), "a2");
   EXPECT_NE(text.find("the noise of 'a2' adapted from 0.03 to 0."), std::string::npos) << text;
-  EXPECT_NE(code_of(*estimated("  adaptive_noise: {process: true}\n", 1.0, unmodelled).estimation, "process noise")
+  EXPECT_NE(code_of(estimated("  adaptive_noise: {process: true}\n", 1.0, unmodelled).get<EstimationOutcome>(),
+                    "process noise")
                 .find("stated as 0"),
             std::string::npos);
   const auto right = estimated("  adaptive_noise: {sensors: true, process: true}\n", 1.0);
   for (const char* subject : {"x1", "a2", "process noise"})
-    EXPECT_EQ(code_of(*right.estimation, subject), "") << subject;
+    EXPECT_EQ(code_of(right.get<EstimationOutcome>(), subject), "") << subject;
 }
 
 TEST(AdaptiveNoiseCase, IsInEveryResult) {
   const Study study = study_of(stated(1.0) + "  adaptive_noise: {sensors: true, process: true, memory: 1 s}\n");
-  const auto results = run_study(study, Step::predict);
+  const auto results = run_study(study, "predict");
   const auto summary = summarise(study, results)["estimation"]["adaptive_noise"];
-  const auto& course = *results.estimation->result.noise;
+  const auto& course = *results.get<EstimationOutcome>().result.noise;
   const Eigen::Index last = course.sensors.cols() - 1;
   EXPECT_DOUBLE_EQ(summary["sensors"]["x1"]["last"].get<double>(), course.sensors(0, last));
   EXPECT_NEAR(summary["sensors"]["a2"]["stated"].get<double>(), a_noise, 1e-9);
@@ -126,8 +132,8 @@ TEST(AdaptiveNoiseCase, IsInEveryResult) {
   const std::string text = console_report(study, results);
   EXPECT_NE(text.find("Noise of a2: "), std::string::npos);
   EXPECT_NE(text.find("Process noise: "), std::string::npos);
-  EXPECT_TRUE(results.estimation->process_noise.empty());
-  EXPECT_FALSE(summarise(study_of(stated(1.0)), run_study(study_of(stated(1.0)), Step::predict))["estimation"].contains(
+  EXPECT_TRUE(results.get<EstimationOutcome>().process_noise.empty());
+  EXPECT_FALSE(summarise(study_of(stated(1.0)), run_study(study_of(stated(1.0)), "predict"))["estimation"].contains(
       "adaptive_noise"));
 }
 

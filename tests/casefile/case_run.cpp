@@ -5,8 +5,8 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/casefile/description.hpp"
-#include "kalfem/pipeline/reported_quantities.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/steps/run_study.hpp"
+#include "kalfem/steps/simulation/outcome.hpp"
 #include "kalfem/study/case_study.hpp"
 #include "kalfem/yaml/case_reader.hpp"
 
@@ -17,8 +17,7 @@ Study study_of(const std::string& text, const std::string& file) {
   return make_study(read_case_text(text, file, description::case_schema(), none), file);
 }
 
-StudyResults results_of(const std::string& text) { return results_of(text, Step::predict); }
-StudyResults results_of(const std::string& text, Step last) { return run_study(study_of(text), last); }
+StudyResults results_of(const std::string& text, std::string_view verb) { return run_study(study_of(text), verb); }
 
 std::string problems_of(const std::string& text) {
   try {
@@ -36,7 +35,7 @@ std::string changed(std::string text, const std::string& from, const std::string
 }
 
 const Eigen::VectorXd& simulated(const StudyResults& results, const std::string& point, ObservedQuantity quantity) {
-  const auto* found = find_quantity(results.simulation->points, point, quantity);
+  const auto* found = find_quantity(results.get<SimulationOutcome>().points, point, quantity);
   if (!found) throw std::logic_error("nothing is simulated of " + point);
   return found->mean;
 }

@@ -3,22 +3,21 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <string_view>
 
 namespace kalfem {
 struct Study;
 struct StudyResults;
 enum class ObservedQuantity;
-enum class Step;
 }  // namespace kalfem
 
 /// Runs cases from their text, as the command does from a file. Who looks into a study or its results includes
-/// study/study.hpp or pipeline/run_study.hpp.
+/// study/study.hpp, steps/study_results.hpp or the outcome of a step.
 namespace kalfem::test {
 
 Study study_of(const std::string& text, const std::string& file = "case.yaml");
 
-StudyResults results_of(const std::string& text);
-StudyResults results_of(const std::string& text, Step last);
+StudyResults results_of(const std::string& text, std::string_view verb = "predict");
 
 /// What is wrong with a case, one problem a line; "" where it is accepted.
 std::string problems_of(const std::string& text);

@@ -5,7 +5,7 @@
 
 #include "casefile/case_run.hpp"
 #include "kalfem/identification/record_estimate.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/steps/run_study.hpp"
 
 namespace kalfem::test {
 
@@ -54,7 +54,7 @@ inline std::string dropping_chain(int seed, double duration, double time) {
 /// The model of one case over the record of another.
 inline RecordEstimate estimate_of(const std::string& model, const std::string& recorded) {
   const Study simulated = study_of(recorded), study = study_of(model);
-  const StudyResults results = run_study(simulated, Step::simulate);
+  const StudyResults results = run_study(simulated, "simulate");
   return estimate_record(study.problem, *study.augmented_model, record_of(simulated, results));
 }
 

@@ -5,8 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "casefile/probes.hpp"
-#include "kalfem/pipeline/updating_checkpoint.hpp"
 #include "kalfem/report/result_set.hpp"
+#include "kalfem/steps/run_study.hpp"
+#include "kalfem/steps/updating/checkpoint.hpp"
 
 /// The file in which an updating keeps its place.
 namespace kalfem::wiring {
@@ -177,7 +178,7 @@ TEST(ResumedUpdating, EndsAtTheSameBits) {
        {"update",
         "{parameters: {s.k.stiffness: {initial: 500}, s.m.stiffness: {initial: 900}}, compare: {f: {modes: s, "
         "frequencies: [1.55, 4.2]}}}"}}));
-  const auto whole = *run(study, Step::update).updating;
+  const auto whole = run(study, "update").get<UpdatingOutcome>();
   ASSERT_GT(whole.evaluations, 4);
   struct Stopped {};
   RunOptions options;
@@ -185,11 +186,11 @@ TEST(ResumedUpdating, EndsAtTheSameBits) {
   options.on_updating_step = [](int number, const UpdatingStep&) {
     if (number == 3) throw Stopped();
   };
-  EXPECT_THROW(run_study(study, Step::update, options), Stopped);
+  EXPECT_THROW(run_study(study, "update", options), Stopped);
   ASSERT_TRUE(std::filesystem::exists(folder / "update.checkpoint.json"));
   options.on_updating_step = {};
-  const auto results = run_study(study, Step::update, options);
-  const auto& resumed = *results.updating;
+  const auto results = run_study(study, "update", options);
+  const auto& resumed = results.get<UpdatingOutcome>();
   EXPECT_EQ(resumed.resumed_at, 2);  // the third was not written yet
   EXPECT_EQ(resumed.values, whole.values);
   EXPECT_EQ(resumed.evaluations, whole.evaluations);

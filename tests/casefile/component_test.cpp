@@ -10,8 +10,9 @@
 #include "base/scratch_folder.hpp"
 #include "casefile/case_run.hpp"
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/pipeline/reported_quantities.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/run_study.hpp"
+#include "kalfem/steps/validation/outcome.hpp"
 
 /// A connector law on a test machine: motion imposed, force measured, no mass.
 namespace kalfem::test {
@@ -46,9 +47,9 @@ estimate:
 TEST(Component, ItsParametersAreFoundFromItsForce) {
   const auto results = results_of(machine);
   ASSERT_TRUE(results.complete()) << results.failure;
-  const auto& result = results.estimation->result;
+  const auto& result = results.get<EstimationOutcome>().result;
   ASSERT_FALSE(result.failure) << result.failure->reason;
-  const auto& unknowns = results.estimation->augmented_model->options().unknowns;
+  const auto& unknowns = results.get<EstimationOutcome>().augmented_model->options().unknowns;
   const Eigen::Index last = result.unknowns.mean.cols() - 1;
   for (const auto& [i, truth] : {std::pair{0, 2e3}, {1, 30.0}, {2, 15.0}, {3, 20.0}}) {
     const double found = result.unknowns.mean(i, last), deviation = result.unknowns.deviation(i, last);
@@ -152,14 +153,14 @@ TEST(Component, ItsRecordAndSignalsMayHaveOtherUnits) {
   write_record(folder / "machine.csv");
   const auto results = results_of(measured(folder));
   ASSERT_TRUE(results.complete()) << results.failure;
-  const auto& mean = results.estimation->result.unknowns.mean;
+  const auto& mean = results.get<EstimationOutcome>().result.unknowns.mean;
   const Eigen::Vector3d found = mean.rightCols<1>();
   EXPECT_NEAR(found[0], 1000.0, 2.0);
   EXPECT_NEAR(found[1], 500.0, 2.0);
   EXPECT_NEAR(found[2], 20.0, 0.1);
-  ASSERT_TRUE(results.validation);
-  EXPECT_EQ(results.validation->held_back.failure, "");
-  EXPECT_LT(results.validation->held_back.nrmse.at(0), 0.005);
+  ASSERT_TRUE(results.has<ValidationOutcome>());
+  EXPECT_EQ(results.get<ValidationOutcome>().held_back.failure, "");
+  EXPECT_LT(results.get<ValidationOutcome>().held_back.nrmse.at(0), 0.005);
   // The case with the identified values is a component again, and is read again.
   ASSERT_TRUE(results.identified);
   EXPECT_NE(results.identified->yaml.find("component:"), std::string::npos);
@@ -202,11 +203,11 @@ TEST(Component, WhatDoesNotFitTogetherIsRefused) {
 /// Error of the open loop over the part of a measured record that an example was not estimated from.
 double held_back_error(const std::string& example) {
   const auto study = load_study(source_folder() + "/examples/" + example);
-  const auto results = run_study(study, Step::estimate);
+  const auto results = run_study(study, "estimate");
   EXPECT_TRUE(results.complete()) << results.failure;
-  if (!results.validation) return 1.0;
-  EXPECT_EQ(results.validation->held_back.failure, "");
-  return results.validation->held_back.nrmse.at(0);
+  if (!results.has<ValidationOutcome>()) return 1.0;
+  EXPECT_EQ(results.get<ValidationOutcome>().held_back.failure, "");
+  return results.get<ValidationOutcome>().held_back.nrmse.at(0);
 }
 
 TEST(Component, ThePredictedForceOfTheMagnetorheologicalDamperIsMeasured) {

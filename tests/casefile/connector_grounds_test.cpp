@@ -4,8 +4,8 @@
 #include "base/scratch_folder.hpp"
 #include "casefile/case_run.hpp"
 #include "formats/plate_msh.hpp"
-#include "kalfem/pipeline/reported_quantities.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/run_study.hpp"
 
 // Connectors that end at a ground: of a finite-element substructure without springs, the fixed one, and two grounds.
 
@@ -74,7 +74,7 @@ TEST_F(PlateOnAGround, TheFilterHoldsTheConnector) {
                                   "estimate: {unknown: {mount.k: {initial: 7 kN/m, std: 1 kN/m}}, settle: 0.2 s, "
                                   "process_noise: {acceleration: 1e-3}}\n");
   ASSERT_TRUE(results.complete()) << results.failure;
-  const auto& unknowns = results.estimation->result.unknowns;
+  const auto& unknowns = results.get<EstimationOutcome>().result.unknowns;
   // four deviations of one record; found .27 of one
   EXPECT_NEAR(unknowns.mean.rightCols(1)(0), 8000.0, 4.0 * unknowns.deviation.rightCols(1)(0));
   EXPECT_GT(unknowns.deviation.rightCols(1)(0), 5.0);
@@ -106,7 +106,7 @@ TEST(ConnectorGrounds, AConnectorStandsBetweenAMovedAndAFixedGround) {
   for (const char* fixed : {"frame.wall", "ground", "other.ground"})
     for (const char* integrator : {"newmark", "exact"}) {
       const auto study = study_of(across("frame.table", fixed, integrator));
-      const auto results = run_study(study, Step::simulate);
+      const auto results = run_study(study, "simulate");
       ASSERT_TRUE(results.complete()) << results.failure;
       const auto r = study.structure->signals[0]->sample(0.0, 2e-3, 1001);
       const Eigen::ArrayXd d = -r.col(0);
@@ -131,14 +131,14 @@ TEST(ConnectorGrounds, TheFilterFindsTheLawBetweenTwoGrounds) {
                    ", unknown: {across.k: {initial: 200, std: 100}, stay.k: {initial: 1500, std: 500}}, "
                    "settle: 0.2 s}\n");
     ASSERT_TRUE(results.complete()) << results.failure;
-    const auto& unknowns = results.estimation->result.unknowns;
+    const auto& unknowns = results.get<EstimationOutcome>().result.unknowns;
     for (const auto& [i, truth] : {std::pair{0, 300.0}, std::pair{1, 2000.0}})
       // four deviations of one record; found .7 and .15 of one
       EXPECT_NEAR(unknowns.mean.rightCols(1)(i), truth, 4.0 * unknowns.deviation.rightCols(1)(i));
     EXPECT_GT(unknowns.deviation.rightCols(1)(0), 0.1);
     EXPECT_LT(unknowns.deviation.rightCols(1)(0), 0.4);  // found .19
     // 900 samples of two channels: three standard errors
-    EXPECT_NEAR(results.estimation->consistency.mean_nis, 2.0, 0.2);
+    EXPECT_NEAR(results.get<EstimationOutcome>().consistency.mean_nis, 2.0, 0.2);
   }
 }
 
@@ -150,7 +150,7 @@ TEST(ConnectorGrounds, ALocalModelKeepsItsConnectorsToGrounds) {
   for (const char* stay : {"{from: ground, to: frame.m", "{from: other.ground, to: frame.m"}) {
     const auto results = results_of(changed(text, "{from: ground, to: frame.m", stay));
     ASSERT_TRUE(results.complete()) << results.failure;
-    const auto& unknowns = results.estimation->result.unknowns;
+    const auto& unknowns = results.get<EstimationOutcome>().result.unknowns;
     // four deviations of one record; found .15 of one
     EXPECT_NEAR(unknowns.mean.rightCols(1)(0), 2000.0, 4.0 * unknowns.deviation.rightCols(1)(0)) << stay;
   }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "casefile/case_run.hpp"
-#include "kalfem/pipeline/reported_quantities.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+
+#include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/simulation/outcome.hpp"
+#include "kalfem/steps/updating/outcome.hpp"
 
 // Sensors of several connectors with weights, in the record, the filter and an updating.
 
@@ -30,12 +32,12 @@ simulate: {duration: 3 s, sample_rate: 500 Hz, tolerance: 1e-4}
 )";
 
 TEST(ConnectorSensors, AddUpTheirConnectorsByWeight) {
-  const auto results = results_of(struts, Step::simulate);
+  const auto results = results_of(struts, "simulate");
   ASSERT_TRUE(results.complete()) << results.failure;
   const auto of = [&](const char* connector, ObservedQuantity quantity) {
     return simulated(results, connector, quantity);
   };
-  const auto& sensors = results.simulation->reference.sensors;
+  const auto& sensors = results.get<SimulationOutcome>().reference.sensors;
   const Eigen::VectorXd force =
       of("p", connector_force) - 2.5 * of("q", connector_force) + 0.5 * of("r", connector_force);
   // sums of three terms: rounding
@@ -52,7 +54,7 @@ TEST(ConnectorSensors, AreWhatTheFilterCompares) {
                                   "estimate: {unknown: {p.k: {initial: 1.2 kN/m, std: 0.2 kN/m}, q.k3: "
                                   "{initial: 1.5e8, std: 5e7}}, settle: 0.5 s, substeps: 8}\n");
   ASSERT_TRUE(results.complete()) << results.failure;
-  const auto& unknowns = results.estimation->result.unknowns;
+  const auto& unknowns = results.get<EstimationOutcome>().result.unknowns;
   const Eigen::Index last = unknowns.mean.cols() - 1;
   // four deviations of one record; found .6 and .3 of one
   EXPECT_NEAR(unknowns.mean(0, last), 1000.0, 4.0 * unknowns.deviation(0, last));
@@ -60,7 +62,7 @@ TEST(ConnectorSensors, AreWhatTheFilterCompares) {
   EXPECT_GT(unknowns.deviation(0, last), 0.3);
   EXPECT_LT(unknowns.deviation(0, last), 1.3);  // found .66
   // two standard errors of some 2000 samples: found .003
-  EXPECT_NEAR(results.estimation->consistency.mean_nis, 4.0, 0.12);
+  EXPECT_NEAR(results.get<EstimationOutcome>().consistency.mean_nis, 4.0, 0.12);
 }
 
 TEST(ConnectorSensors, AreWhatAnUpdatingSimulates) {
@@ -68,10 +70,10 @@ TEST(ConnectorSensors, AreWhatAnUpdatingSimulates) {
       results_of(struts +
                      "update: {parameters: {frame.s.stiffness: {initial: 3 kN/m, std: 20 %}}, compare: "
                      "{record: {simulation: [f, d, v]}}}\n",
-                 Step::update);
+                 "update");
   ASSERT_TRUE(results.complete()) << results.failure;
   // found 6e-4
-  EXPECT_NEAR(results.updating->values[0] / 4000.0, 1.0, 2e-3);
+  EXPECT_NEAR(results.get<UpdatingOutcome>().values[0] / 4000.0, 1.0, 2e-3);
 }
 
 TEST(ConnectorSensors, EveryConnectorMustExist) {

@@ -10,7 +10,8 @@
 #include "base/places.hpp"
 #include "kalfem/base/random.hpp"
 #include "kalfem/casefile/case_schema.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/steps/run_study.hpp"
+#include "kalfem/steps/simulation/outcome.hpp"
 #include "kalfem/study/case_study.hpp"
 #include "kalfem/yaml/case_reader.hpp"
 
@@ -40,7 +41,7 @@ inline Study study_of(const std::string& text) {
 
 /// The record of the study with noise of another seed on it.
 inline StudyResults record_with_noise(StudyResults simulated, std::uint64_t seed) {
-  auto& outcome = *simulated.simulation;
+  auto& outcome = simulated.get<SimulationOutcome>();
   for (std::size_t i = 0; i < outcome.measurements.channels.size(); ++i) {
     const auto& channel = outcome.measurements.channels[i];
     RandomStream random(seed, channel.name);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "casefile/damping_of_unknowns.hpp"
 
+#include "kalfem/steps/run_study.hpp"
+
 namespace kalfem::test {
 namespace {
 
@@ -15,7 +17,7 @@ TEST(DampingOfUnknownsOverSeeds, EstimatesDoNotDependOnTheFirstGuessAndCoverTheT
     studies.push_back(study_of(chain_case("20 s", "    body.3-4.stiffness: {initial: " + guess +
                                                       " kN/m, std: 30 %}\n"
                                                       "    body.damping.modal: {initial: 1.5 %, std: 50 %}\n")));
-  const StudyResults simulated = run_study(studies[0], Step::simulate);
+  const StudyResults simulated = run_study(studies[0], "simulate");
   const VectorXd truth = truth_of(studies[0]);
   constexpr int seeds = 40;
   std::array<Eigen::VectorXi, 3> covered;

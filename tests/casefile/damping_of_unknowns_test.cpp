@@ -2,6 +2,10 @@
 #include "casefile/damping_of_unknowns.hpp"
 #include "base/scratch_folder.hpp"
 
+#include "kalfem/steps/prediction/outcome.hpp"
+#include "kalfem/steps/run_study.hpp"
+#include "kalfem/steps/simulation/outcome.hpp"
+
 // Damping that is formed from modes, or from M and K, follows the stiffness and the mass that the filter estimates. The
 // first guess of these must not show in the estimates.
 
@@ -18,7 +22,7 @@ std::vector<LastEstimates> from_each(const std::vector<std::string>& texts, Vect
   for (const auto& text : texts) {
     const Study study = study_of(text);
     if (all.empty()) {
-      record = run_study(study, Step::simulate);
+      record = run_study(study, "simulate");
       truth = truth_of(study);
     }
     all.push_back(estimates_of(study, record));
@@ -122,9 +126,9 @@ std::string with_extra_spring(const std::string& given) {
 /// one.
 TEST(DampingOfUnknowns, ThePredictionUsesTheEstimatedSpring) {
   const ScratchFolder folder("estimated-spring");
-  const StudyResults right = run_study(study_of(with_extra_spring("5 kN/m")), Step::predict);
+  const StudyResults right = run_study(study_of(with_extra_spring("5 kN/m")), "predict");
   ASSERT_EQ(right.failure, "");
-  const auto& record = right.simulation->measurements;
+  const auto& record = right.get<SimulationOutcome>().measurements;
   std::ofstream file(folder / "record.csv");
   file << "time";
   for (const auto& channel : record.channels) file << "," << channel.name;
@@ -137,14 +141,14 @@ TEST(DampingOfUnknowns, ThePredictionUsesTheEstimatedSpring) {
   const auto begin = text.find("simulate:"), end = text.find("estimate:");
   text.replace(begin, end - begin,
                "record: {file: '" + (folder / "record.csv").string() + "', sample_rate: 1 kHz}\n\n");
-  const StudyResults read = run_study(study_of(text), Step::predict);
+  const StudyResults read = run_study(study_of(text), "predict");
   ASSERT_EQ(read.failure, "");
-  ASSERT_EQ(read.prediction->points.size(), right.prediction->points.size());
-  for (std::size_t i = 0; i < read.prediction->points.size(); ++i) {
-    const auto& expected = right.prediction->points[i].mean;
+  ASSERT_EQ(read.get<PredictionOutcome>().points.size(), right.get<PredictionOutcome>().points.size());
+  for (std::size_t i = 0; i < read.get<PredictionOutcome>().points.size(); ++i) {
+    const auto& expected = right.get<PredictionOutcome>().points[i].mean;
     // found 2e-4
-    EXPECT_LT((read.prediction->points[i].mean - expected).norm(), 5e-4 * expected.norm())
-        << read.prediction->points[i].point;
+    EXPECT_LT((read.get<PredictionOutcome>().points[i].mean - expected).norm(), 5e-4 * expected.norm())
+        << read.get<PredictionOutcome>().points[i].point;
   }
 }
 

@@ -5,9 +5,10 @@
 
 #include "casefile/case_run.hpp"
 #include "kalfem/identification/walked_range.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/page/words.hpp"
 #include "kalfem/report/result_set.hpp"
-#include "kalfem/report/tables.hpp"
+#include "kalfem/steps/estimation/report.hpp"
+#include "kalfem/steps/run_study.hpp"
 
 // What is told of unknowns along a record: natural frequencies with their bands, and ranges of unknowns that walk.
 
@@ -47,7 +48,7 @@ double closed_form(double k1, double k2, double m1, double m2, int mode) {
 TEST(FrequencyCourse, IsTheClosedFormOfTheEstimatesWithItsDeviation) {
   const auto results = results_of(towers);
   ASSERT_TRUE(results.complete()) << results.failure;
-  const auto& outcome = *results.estimation;
+  const auto& outcome = results.get<EstimationOutcome>();
   ASSERT_TRUE(outcome.frequencies.has_value());
   const auto& course = *outcome.frequencies;
   ASSERT_EQ(course.frequency.rows(), 2);
@@ -74,7 +75,7 @@ TEST(FrequencyCourse, IsTheClosedFormOfTheEstimatesWithItsDeviation) {
 
 TEST(FrequencyCourse, StandsInTheSummaryAndOnThePage) {
   const auto study = study_of(towers);
-  const auto results = run_study(study, Step::estimate);
+  const auto results = run_study(study, "estimate");
   const auto summary = summarise(study, results);
   ASSERT_EQ(summary["frequencies"].size(), 2U);
   EXPECT_NEAR(summary["frequencies"][0]["estimate"].get<double>(), closed_form(4e3, 3e3, 2.0, 1.0, 0), 0.1);
@@ -106,7 +107,7 @@ TEST(WalkedRange, HoldsWhereTheStiffnessWent) {
   const auto model = study_of(changed(changed(softening, "*FACTOR", ""), "SIGNALS", ""));
   const auto truth =
       study_of(changed(changed(softening, "FACTOR", "(1 - 0.25*sin(0.3927*t)^2)"), "SIGNALS", ", signals: {t: time}"));
-  const auto simulated = run_study(truth, Step::simulate);
+  const auto simulated = run_study(truth, "simulate");
   const auto estimate = estimate_record(model.problem, *model.augmented_model, record_of(truth, simulated));
   const auto range = walked_range(estimate, 0);
   ASSERT_TRUE(range.has_value());
@@ -120,18 +121,18 @@ TEST(WalkedRange, HoldsWhereTheStiffnessWent) {
 TEST(WalkedRange, ReplacesTheLastSampleInTheTable) {
   const std::string walking = changed(changed(softening, "*FACTOR", ""), "SIGNALS", "");
   const auto study = study_of(walking);
-  const auto results = run_study(study, Step::estimate);
+  const auto results = run_study(study, "estimate");
   const auto parameter = summarise(study, results)["parameters"]["bank.k"];
-  const auto range = walked_range(*results.estimation, 0);
+  const auto range = walked_range(results.get<EstimationOutcome>(), 0);
   ASSERT_TRUE(range.has_value());
   EXPECT_DOUBLE_EQ(parameter["range"][0].get<double>(), range->least);
   EXPECT_DOUBLE_EQ(parameter["range_95"][1].get<double>(), range->upper);
-  const auto table = parameter_table(study, *results.estimation);
+  const auto table = parameter_table(study, results.get<EstimationOutcome>());
   EXPECT_EQ(table.rows[0][3], four_digits(range->least) + " to " + four_digits(range->greatest));
   // A constant has one value.
   const auto constant = study_of(changed(walking, ", random_walk: 400", ""));
-  const auto held = run_study(constant, Step::estimate);
-  EXPECT_FALSE(walked_range(*held.estimation, 0).has_value());
+  const auto held = run_study(constant, "estimate");
+  EXPECT_FALSE(walked_range(held.get<EstimationOutcome>(), 0).has_value());
   EXPECT_FALSE(summarise(constant, held)["parameters"]["bank.k"].contains("range"));
 }
 

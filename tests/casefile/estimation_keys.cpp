@@ -3,7 +3,10 @@
 #include "kalfem/base/parallel.hpp"
 #include "kalfem/estimation/estimate.hpp"
 #include "kalfem/identification/filter_run.hpp"
-#include "kalfem/pipeline/reported_quantities.hpp"
+#include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/prediction/outcome.hpp"
+#include "kalfem/steps/run_study.hpp"
+#include "kalfem/steps/simulation/outcome.hpp"
 
 /// Keys of the estimation: what the augmented model and its filter are made of.
 namespace kalfem::wiring {
@@ -190,10 +193,10 @@ void local_models_move_as_measured() {
   EXPECT_EQ(setup.sensors[0].name, "yw");
   near(setup.model->system().connectors[0].deformation, vector({-1.0}));
   // Its own record drives it, and its noise is that of a white signal held over the sample interval: s / sqrt(f).
-  const auto results = run(study, Step::simulate);
+  const auto results = run(study, "simulate");
   const auto filter = make_filter_run(study.problem, setup, record_of(study, results));
   near(filter.choice.augmented_model->options().process_noise.input, vector({0.02 / std::sqrt(100.0)}));
-  const auto foot = results.simulation->measurements.values.row(1);
+  const auto foot = results.get<SimulationOutcome>().measurements.values.row(1);
   near(filter.input.inputs(2, 4), foot[1]);  // four parts a sample
   near(filter.input.inputs(2, 6), 0.5 * (foot[1] + foot[2]));
   EXPECT_EQ(filter.input.inputs.topRows(2).norm(), 0.0);
@@ -229,8 +232,8 @@ const std::string prior =
 /// The study's own estimation, and what the library's filter finds with these options on the same record.
 std::pair<EstimationResult, EstimationResult> both_filters(const std::string& text, const EstimationOptions& options) {
   const auto study = with_estimate(prior + text, nonlinear);
-  const auto results = run(study, Step::estimate);
-  const auto& outcome = *results.estimation;
+  const auto results = run(study, "estimate");
+  const auto& outcome = results.get<EstimationOutcome>();
   EXPECT_EQ(outcome.filter, options.filter) << text;
   const auto filter = make_filter_run(study.problem, *study.augmented_model, record_of(study, results));
   return {outcome.result, estimate(*filter.choice.augmented_model, filter.input, options)};
@@ -293,8 +296,8 @@ void noise_that_adapts() {
 void passes_over_the_record() {
   const auto study = with_estimate(prior + ", estimate_initial_state: true, passes: 2", nonlinear);
   EXPECT_TRUE(options_of(study).keep_initial_state);
-  const auto results = run(study, Step::estimate);
-  const auto& outcome = *results.estimation;
+  const auto results = run(study, "estimate");
+  const auto& outcome = results.get<EstimationOutcome>();
   const auto filter = make_filter_run(study.problem, *study.augmented_model, record_of(study, results));
   const auto expected = [&](int passes) {
     return estimate(*filter.choice.augmented_model, filter.input, {.filter = outcome.filter, .passes = passes})
@@ -307,22 +310,22 @@ void passes_over_the_record() {
 }
 
 void estimates_from_the_whole_record() {
-  const auto results = run(with_estimate(prior + ", smooth: true", nonlinear), Step::estimate);
-  const auto& outcome = *results.estimation;
+  const auto results = run(with_estimate(prior + ", smooth: true", nonlinear), "estimate");
+  const auto& outcome = results.get<EstimationOutcome>();
   ASSERT_TRUE(outcome.smoothed.has_value());
   EXPECT_EQ(outcome.smoothed_points.size(), outcome.points.size());
   const Eigen::Index last = outcome.result.state.mean.cols() - 1;
   const Eigen::VectorXd end = outcome.result.state.mean.col(last);
   EXPECT_LT((outcome.smoothed->state.mean.col(last) - end).norm(), 1e-9 * end.norm());
   EXPECT_GT((outcome.smoothed->state.mean.col(last / 2) - outcome.result.state.mean.col(last / 2)).norm(), 0.0);
-  EXPECT_FALSE(run(with_estimate(prior, nonlinear), Step::estimate).estimation->smoothed.has_value());
+  EXPECT_FALSE(run(with_estimate(prior, nonlinear), "estimate").get<EstimationOutcome>().smoothed.has_value());
 }
 
 void sums_begin_after_settling() {
   for (const auto& [text, first] :
        std::vector<std::pair<std::string, Eigen::Index>>{{", settle: 0.2 s", 20}, {", settle: 0", 0}}) {
-    const auto results = run(with_estimate(stiffness_unknown + text), Step::estimate);
-    const auto& outcome = *results.estimation;
+    const auto results = run(with_estimate(stiffness_unknown + text), "estimate");
+    const auto& outcome = results.get<EstimationOutcome>();
     EXPECT_EQ(outcome.settled, first);
     const Eigen::Index count = outcome.result.nis.size() - first;
     near(outcome.consistency.mean_nis, outcome.result.nis.tail(count).mean());
@@ -330,10 +333,10 @@ void sums_begin_after_settling() {
       if (point.quantity == ObservedQuantity::displacement)
         near(point.nrmse.value(), nrmse(point.mean.tail(count), point.truth.tail(count)));
   }
-  EXPECT_EQ(run(with_estimate(stiffness_unknown + ", settle: 9 s"), Step::estimate).estimation->settled, 50);
+  EXPECT_EQ(run(with_estimate(stiffness_unknown + ", settle: 9 s"), "estimate").get<EstimationOutcome>().settled, 50);
   EXPECT_FALSE(with_estimate(stiffness_unknown + ", settle: 9 s").warnings.empty());
   const auto usual = with_estimate(stiffness_unknown, {{"simulate", "{duration: 3 s, sample_rate: 100 Hz}"}});
-  EXPECT_EQ(run(usual, Step::estimate).estimation->settled, 200);
+  EXPECT_EQ(run(usual, "estimate").get<EstimationOutcome>().settled, 200);
 }
 
 void parts_of_an_interval() {
@@ -344,7 +347,7 @@ void parts_of_an_interval() {
   EXPECT_EQ(options_of(with_estimate(stiffness_unknown)).substeps, 4);  // to begin with
   for (const std::string text : {"", ", substeps: auto"})
     EXPECT_FALSE(with_estimate(stiffness_unknown + text).problem->settings.substeps);
-  const auto results = run(study, Step::simulate);
+  const auto results = run(study, "simulate");
   EXPECT_EQ(make_filter_run(study.problem, *study.augmented_model, record_of(study, results)).input.inputs.cols(), 351);
 }
 
@@ -391,11 +394,11 @@ void predictions() {
                   "800}, {from: b, to: c, stiffness: 700}]}}"},
                  {"connectors", "{c: {from: w.w, to: s.a, law: linear, parameters: {k: 500, c: 3}}}"},
                  {"predict", "{substructure: " + name + "}"}})),
-            Step::predict);
-    EXPECT_EQ(results.prediction->substructure, name);
-    for (const auto& point : results.prediction->points)
+            "predict");
+    EXPECT_EQ(results.get<PredictionOutcome>().substructure, name);
+    for (const auto& point : results.get<PredictionOutcome>().points)
       EXPECT_TRUE(point.point.starts_with(name + ".")) << point.point;
-    EXPECT_EQ(results.prediction->points.size(), name == "s" ? 6u : 4u);
+    EXPECT_EQ(results.get<PredictionOutcome>().points.size(), name == "s" ? 6u : 4u);
   }
 }
 
@@ -423,8 +426,8 @@ void prediction_steps() {
     part_text.replace(part_text.find("tip: 3"), 6, "tip: 81");
     part_text.replace(part_text.find("nodes.csv"), 9, "fine_nodes.csv");
     part_text.replace(part_text.find("elements.csv"), 12, "fine_elements.csv");
-    const auto results = run(study_of(sections), Step::predict);
-    return find_quantity(results.prediction->points, "b.mid.z", ObservedQuantity::displacement)->mean;
+    const auto results = run(study_of(sections), "predict");
+    return find_quantity(results.get<PredictionOutcome>().points, "b.mid.z", ObservedQuantity::displacement)->mean;
   };
   const Eigen::VectorXd one = predicted(", substeps: 1"), two = predicted(""), four = predicted(", substeps: 4");
   near(predicted(", substeps: 2"), two);

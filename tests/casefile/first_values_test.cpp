@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "casefile/damping_of_unknowns.hpp"
-#include "kalfem/pipeline/run_updating.hpp"
+#include "kalfem/steps/updating/compute.hpp"
 
 // What an updating finds at the first values of its parameters, before it searches.
 
@@ -41,7 +41,7 @@ TEST(FirstValues, AParameterThatNoComparisonDependsOnIsRefusedByCheckAsByRun) {
             std::string::npos)
       << refusal;
   try {
-    run_study(study, Step::update);
+    run_study(study, "update");
     ADD_FAILURE() << "the run accepts it";
   } catch (const InvalidInput& error) {
     EXPECT_EQ(error.what(), refusal);
@@ -56,7 +56,7 @@ TEST(FirstValues, WhereTheFilterFailsTheResultsAreNotUsable) {
                            "  compare: {record: {time_history: body}}\n";
   const Study study = study_of(with(text, "mu_k1: {initial: 10 N, std: 50 %}", "mu_k1: {initial: 10 N, std: 1e90 N}"));
   check_first_values(study);
-  const StudyResults results = run_study(study, Step::update);
+  const StudyResults results = run_study(study, "update");
   EXPECT_FALSE(results.complete());
   EXPECT_NE(results.failure.find("at the initial values of the updated parameters"), std::string::npos)
       << results.failure;

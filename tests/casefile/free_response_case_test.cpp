@@ -6,6 +6,7 @@
 #include "casefile/record_cases.hpp"
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/report/result_set.hpp"
+#include "kalfem/steps/run_study.hpp"
 
 // A mass that is held 40 mm up, released at 0.5 s, and swings about a rest position of 5 mm.
 namespace kalfem::record_cases {
@@ -52,7 +53,7 @@ protected:
     if (!from.empty()) text.replace(text.find(from), from.size(), to);
     std::ofstream(folder_ / "case.yaml") << text;
     const Study study = load_study((folder_ / "case.yaml").string());
-    const auto results = run_study(study, Step::predict);
+    const auto results = run_study(study, "predict");
     EXPECT_TRUE(results.complete()) << results.failure;
     return summarise(study, results);
   }

@@ -3,6 +3,9 @@
 
 #include "casefile/probes.hpp"
 
+#include "kalfem/steps/frequency_response/outcome.hpp"
+#include "kalfem/study/study.hpp"
+
 /// Keys of frequency responses.
 namespace kalfem::wiring {
 namespace {
@@ -30,9 +33,7 @@ Study with_gauge(const std::map<std::string, std::string>& keys) {
                              {"frequency_response", section(keys, "b.tip.z", "{strain: b.g}")}}));
 }
 
-FrequencyResponseOutcome outcome_of(const Study& study) {
-  return run(study, Step::frequency_response).frequency_response.value();
-}
+FrequencyResponseOutcome outcome_of(const Study& study) { return run(study, "frf").get<FrequencyResponseOutcome>(); }
 
 void lines() {
   near(lumped({{"frequencies", "[3, 2 kHz]"}}).frequency_response->frequencies, vector({3.0, 2000.0}));

@@ -4,7 +4,7 @@
 #include "base/scratch_folder.hpp"
 #include "casefile/damping_of_unknowns.hpp"
 #include "kalfem/identification/parameterised_structure.hpp"
-#include "kalfem/pipeline/run_updating.hpp"
+#include "kalfem/study/study.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 
 // How a case's frequency responses reach the residual.

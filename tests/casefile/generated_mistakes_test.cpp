@@ -10,7 +10,7 @@
 #include "casefile/base_cases.hpp"
 #include "casefile/case_mutations.hpp"
 #include "kalfem/casefile/case_schema.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/steps/run_study.hpp"
 #include "kalfem/yaml/case_reader.hpp"
 
 namespace kalfem::test {
@@ -63,7 +63,7 @@ TEST_P(GeneratedMistakes, TheCaseItselfIsSoundAndRuns) {
   IssueList issues;
   const auto root = parse_yaml(GetParam().text, "case.yaml", process_environment(), issues);
   const Study study = load(folder_, to_yaml(*root));
-  const StudyResults results = run_study(study, Step::update);
+  const StudyResults results = run_study(study, "update");
   EXPECT_TRUE(results.complete()) << results.failure;
 }
 
@@ -75,7 +75,7 @@ TEST_P(GeneratedMistakes, AreRefusedWithTheirPlace) {
     try {
       const Study study = load(folder_, mutation.text);
       EXPECT_FALSE(mutation.wrong) << "accepted:\n" << mutation.text;
-      EXPECT_NO_THROW(run_study(study, Step::update)) << "run refuses what check accepts:\n" << mutation.text;
+      EXPECT_NO_THROW(run_study(study, "update")) << "run refuses what check accepts:\n" << mutation.text;
     } catch (const InvalidInput& error) {
       ++refused;
       EXPECT_EQ(fault_of(error), "") << error.what();

@@ -2,7 +2,10 @@
 #include <gtest/gtest.h>
 
 #include "casefile/probes.hpp"
+#include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/study_results.hpp"
 #include "kalfem/study/identified_case.hpp"
+#include "kalfem/study/study.hpp"
 
 /// The identified case holds the values in the places of their parameters, and reads back.
 namespace kalfem::wiring {
@@ -116,13 +119,14 @@ TEST(IdentifiedCase, HasTheValuesOfFiniteElementsAndNamesThoseWithoutAPlace) {
 
 TEST(IdentifiedCase, IsOfARunThatEstimatedAndIsUsable) {
   const Study study = study_of(estimated_case());
-  StudyResults results = run(study, Step::estimate);
+  StudyResults results = run(study, "estimate");
   ASSERT_TRUE(results.usable());
   ASSERT_TRUE(results.identified.has_value());
-  const double estimate = results.estimation->result.unknowns.mean(0, results.estimation->result.nis.size() - 1);
+  const double estimate =
+      results.get<EstimationOutcome>().result.unknowns.mean(0, results.get<EstimationOutcome>().result.nis.size() - 1);
   const auto& found = read_back(*results.identified).problem->settings.unknowns.front();
   EXPECT_EQ(found.initial, estimate);
-  EXPECT_FALSE(run(study, Step::simulate).identified.has_value());
+  EXPECT_FALSE(run(study, "simulate").identified.has_value());
 }
 
 }  // namespace

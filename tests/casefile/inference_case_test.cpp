@@ -3,8 +3,8 @@
 #include <numbers>
 
 #include "casefile/case_run.hpp"
-#include "kalfem/pipeline/run_inference.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/steps/inference/compute.hpp"
+#include "kalfem/steps/inference/outcome.hpp"
 
 // What the data tell of the unknowns of a case: posterior, profile, bands, identifiability, sensitivity.
 
@@ -40,9 +40,10 @@ estimate:
 std::string with_infer(const std::string& keys) { return two_masses + "infer: {" + keys + "}\n"; }
 
 InferenceOutcome inferred(const std::string& text) {
-  const auto results = results_of(text, Step::infer);
-  EXPECT_TRUE(results.inference.has_value()) << results.failure;
-  return results.inference.value_or(InferenceOutcome{});
+  const auto results = results_of(text, "infer");
+  EXPECT_TRUE(results.has<InferenceOutcome>()) << results.failure;
+  const auto* outcome = results.find<InferenceOutcome>();
+  return outcome ? *outcome : InferenceOutcome{};
 }
 
 void expect_near_filter(const InferenceOutcome& outcome) {

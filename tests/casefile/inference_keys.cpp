@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "casefile/probes.hpp"
-#include "kalfem/pipeline/case_likelihood.hpp"
 #include "kalfem/sampling/evidence.hpp"
+#include "kalfem/steps/inference/case_likelihood.hpp"
+#include "kalfem/steps/run_study.hpp"
 
 /// Keys of the inference: the plan against the numbers of the case, laws against the case that has them.
 namespace kalfem::wiring {
@@ -92,7 +93,7 @@ void chosen_parameters() {
 void likelihoods() {
   const auto of = [](const std::string& text) {
     const Study study = with_infer(text);
-    const StudyResults results = run(study, Step::simulate);
+    const StudyResults results = run(study, "simulate");
     const VectorXd start = start_of(*study.inference);
     return likelihood_of_record(study, record_of(study, results), start).log_likelihood(start);
   };

@@ -8,7 +8,7 @@
 
 #include "casefile/case_run.hpp"
 #include "kalfem/base/random.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/steps/inference/outcome.hpp"
 
 // Statistics of posteriors and of choices between laws over many records.
 
@@ -18,9 +18,9 @@ namespace {
 using Eigen::VectorXd;
 
 InferenceOutcome inferred(const std::string& text) {
-  const auto results = results_of(text, Step::infer);
-  if (!results.inference) throw std::runtime_error(results.failure);
-  return *results.inference;
+  const auto results = results_of(text, "infer");
+  if (!results.has<InferenceOutcome>()) throw std::runtime_error(results.failure);
+  return results.get<InferenceOutcome>();
 }
 
 /// The chain of eleven degrees of freedom on a moving ground; noise in m/s^2, so that it does not know the parameters.

@@ -3,8 +3,11 @@
 
 #include "base/scratch_folder.hpp"
 #include "casefile/case_run.hpp"
-#include "kalfem/pipeline/reported_quantities.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/frequency_response/outcome.hpp"
+#include "kalfem/steps/modes/outcome.hpp"
+#include "kalfem/steps/statics/outcome.hpp"
+#include "kalfem/study/study.hpp"
 #include "kalfem/system/linearised.hpp"
 
 // Two finite-element substructures whose meshes meet in coincident nodes, joined by naming the group of these nodes,
@@ -119,10 +122,14 @@ TEST_F(JoinedPlate, HasTheFrequenciesOfTheWholeWhenBothPartsAreReduced) {
 }
 
 TEST_F(JoinedPlate, TellsTheFrequenciesOfTheWhole) {
-  const auto joint = results_of(joined(), Step::modes), reference = results_of(whole(), Step::modes);
-  EXPECT_EQ(reference.joined_frequencies.size(), 0);
-  ASSERT_EQ(joint.joined_frequencies.size(), reference.modes[0].frequencies.size());
-  EXPECT_LE(relative_error(joint.joined_frequencies, reference.modes[0].frequencies).maxCoeff(), 1e-3);
+  const auto joint = results_of(joined(), "modes"), reference = results_of(whole(), "modes");
+  EXPECT_EQ(reference.get<ModesOutcome>().joined_frequencies.size(), 0);
+  ASSERT_EQ(joint.get<ModesOutcome>().joined_frequencies.size(),
+            reference.get<ModesOutcome>().substructures[0].frequencies.size());
+  EXPECT_LE(relative_error(joint.get<ModesOutcome>().joined_frequencies,
+                           reference.get<ModesOutcome>().substructures[0].frequencies)
+                .maxCoeff(),
+            1e-3);
 }
 
 /// A force at the free corner, and what the corner does: the same with one mesh and with two.
@@ -132,8 +139,8 @@ TEST_F(JoinedPlate, MovesAsTheWhole) {
       "sensors:\n  a: {acceleration: @.corner.z, noise: 1 %}\n"
       "damping: {modal: 1 %, up_to: 200 Hz}\n"
       "simulate: {duration: 0.1 s, sample_rate: 500 Hz, substeps: 4}\n";
-  const auto one = results_of(whole() + changed(changed(driven, "@", "plate"), "@", "plate"), Step::simulate);
-  const auto two = results_of(joined() + changed(changed(driven, "@", "right"), "@", "right"), Step::simulate);
+  const auto one = results_of(whole() + changed(changed(driven, "@", "plate"), "@", "plate"), "simulate");
+  const auto two = results_of(joined() + changed(changed(driven, "@", "right"), "@", "right"), "simulate");
   ASSERT_TRUE(one.complete() && two.complete()) << one.failure << two.failure;
   EXPECT_LE(difference(simulated(two, "right.corner.z", ObservedQuantity::acceleration),
                        simulated(one, "plate.corner.z", ObservedQuantity::acceleration)),
@@ -151,9 +158,10 @@ TEST_F(JoinedPlate, IsEstimatedFromARecord) {
           "sensors:\n  a: {acceleration: right.corner.z, noise: 2 %}\n"
           "simulate: {duration: 1 s, sample_rate: 400 Hz, tolerance: 1e-2}\n"
           "estimate: {settle: 0.2 s, diagnose: false}\n",
-      Step::estimate);
+      "estimate");
   ASSERT_TRUE(results.complete()) << results.failure;
-  const auto* corner = find_quantity(results.estimation->points, "right.corner.z", ObservedQuantity::displacement);
+  const auto* corner =
+      find_quantity(results.get<EstimationOutcome>().points, "right.corner.z", ObservedQuantity::displacement);
   ASSERT_NE(corner, nullptr);
   EXPECT_LE(difference(corner->mean.tail(300),
                        simulated(results, "right.corner.z", ObservedQuantity::displacement).tail(300)),
@@ -237,15 +245,15 @@ TEST_F(JoinedPlate, HasTheFrequencyResponsesOfTheWhole) {
            "[{displacement: " +
            part + ".corner.z}, {displacement: " + part + ".edge.z}], method: direct}\n";
   };
-  const auto one = results_of(changed(whole(), "nodes: {corner", "nodes: {edge: [0.5, 0, 0], corner") + asked("plate"),
-                              Step::frequency_response);
+  const auto one =
+      results_of(changed(whole(), "nodes: {corner", "nodes: {edge: [0.5, 0, 0], corner") + asked("plate"), "frf");
   // The node at the seam is a point of the second part, whose degrees of freedom there have the names of the first.
-  const auto two = results_of(changed(joined(), "nodes: {corner", "nodes: {edge: [0.5, 0, 0], corner") + asked("right"),
-                              Step::frequency_response);
+  const auto two =
+      results_of(changed(joined(), "nodes: {corner", "nodes: {edge: [0.5, 0, 0], corner") + asked("right"), "frf");
   ASSERT_TRUE(one.complete() && two.complete()) << one.failure << two.failure;
   for (const std::size_t i : {0u, 1u}) {
-    const Eigen::VectorXcd &found = two.frequency_response->responses[i].full,
-                           &expected = one.frequency_response->responses[i].full;
+    const Eigen::VectorXcd &found = two.get<FrequencyResponseOutcome>().responses[i].full,
+                           &expected = one.get<FrequencyResponseOutcome>().responses[i].full;
     EXPECT_LE((found - expected).norm(), 1e-6 * expected.norm()) << i;
   }
 }
@@ -309,19 +317,19 @@ TEST(TurnedDeck, KeepsItsSupportsSpringsAndLoads) {
     const auto results =
         results_of("kalfem: 1\nsubstructures:\n  bar: {finite_elements: {deck: " + (folder / "bar.bdf").string() +
                        turn + ", nodes: {middle: 2, end: 3}}}\nstatic: {substructure: bar, deck_cases: true}\n",
-                   Step::statics);
+                   "static");
     EXPECT_TRUE(results.complete()) << results.failure;
     return results;
   };
   const auto upright = solved(""), turned = solved(", rotate: {axis: [1, 0, 0], angle: 90 deg}, translate: [0, 0, 4]");
   const auto moved = [](const StudyResults& results, std::size_t point) -> Eigen::Vector3d {
-    return results.statics->cases[0].points[point].displacement.head<3>();
+    return results.get<StaticsOutcome>().cases[0].points[point].displacement.head<3>();
   };
   const Eigen::Vector3d middle = moved(upright, 0);
   EXPECT_LT(middle.z(), -1e-6);
   EXPECT_LT((moved(turned, 0) - Eigen::Vector3d(0.0, -middle.z(), 0.0)).norm(), 1e-9 * middle.norm());
   EXPECT_LT(moved(turned, 1).norm(), 1e-9 * middle.norm());
-  EXPECT_LT(turned.statics->cases[0].solution.imbalance, 1e-9);
+  EXPECT_LT(turned.get<StaticsOutcome>().cases[0].solution.imbalance, 1e-9);
 }
 
 /// Two clamped plates of one mesh, their corners joined by a spring.

@@ -4,7 +4,9 @@
 #include "base/data_folder.hpp"
 #include "base/places.hpp"
 #include "casefile/case_run.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/run_study.hpp"
+#include "kalfem/steps/validation/outcome.hpp"
 
 // Examples on records that others measured; figures of docs/measured-examples.md.
 
@@ -12,35 +14,37 @@ namespace kalfem::test {
 namespace {
 
 StudyResults results_of_example(const std::string& example) {
-  return run_study(load_study(source_folder() + "/examples/" + example), Step::estimate);
+  return run_study(load_study(source_folder() + "/examples/" + example), "estimate");
 }
 
 double estimate_of(const StudyResults& results, const std::string& name) {
-  const auto& unknowns = results.estimation->augmented_model->options().unknowns;
+  const auto& unknowns = results.get<EstimationOutcome>().augmented_model->options().unknowns;
   const auto place = std::ranges::find(unknowns, name, &UnknownParameter::name) - unknowns.begin();
-  return results.estimation->result.unknowns.mean(place, results.estimation->result.unknowns.mean.cols() - 1);
+  return results.get<EstimationOutcome>().result.unknowns.mean(
+      place, results.get<EstimationOutcome>().result.unknowns.mean.cols() - 1);
 }
 
 TEST(MeasuredExample, SilverboxIsPredictedToHalfAMillivolt) {
   if (!std::filesystem::exists(data_folder("sysid-benchmarks"))) KALFEM_ABSENT("the Silverbox record is absent");
   const auto results = results_of_example("sysid-benchmarks/silverbox.yaml");
-  ASSERT_TRUE(results.validation.has_value()) << results.failure;
-  EXPECT_EQ(results.validation->held_back.failure, "");
-  EXPECT_LE(results.validation->held_back.nrmse.at(0), 0.009);  // found .0065
+  ASSERT_TRUE(results.has<ValidationOutcome>()) << results.failure;
+  EXPECT_EQ(results.get<ValidationOutcome>().held_back.failure, "");
+  EXPECT_LE(results.get<ValidationOutcome>().held_back.nrmse.at(0), 0.009);  // found .0065
 }
 
 /// Its authors' values: k 5e4, c 10, alpha 5e4, beta gamma 800, beta delta -1100.
 TEST(MeasuredExample, BoucWenHasTheValuesOfItsAuthors) {
   if (!std::filesystem::exists(data_folder("sysid-benchmarks"))) KALFEM_ABSENT("the Bouc-Wen record is absent");
   const auto results = results_of_example("sysid-benchmarks/bouc_wen.yaml");
-  ASSERT_TRUE(results.validation.has_value()) << results.failure;
+  ASSERT_TRUE(results.has<ValidationOutcome>()) << results.failure;
   // Tolerances of 1 %: three deviations of the least known one, the damping; found within .5 %.
   EXPECT_NEAR(estimate_of(results, "oscillator.k.stiffness") / 5e4, 1.0, 0.01);
   EXPECT_NEAR(estimate_of(results, "oscillator.k.damping") / 10.0, 1.0, 0.015);
   EXPECT_NEAR(estimate_of(results, "hysteresis.A") / 5e4, 1.0, 0.01);
   EXPECT_NEAR(estimate_of(results, "hysteresis.beta") / 800.0, 1.0, 0.01);
   EXPECT_NEAR(estimate_of(results, "hysteresis.gamma") / -1100.0, 1.0, 0.01);
-  EXPECT_LE(results.validation->held_back.nrmse.at(0), 0.015);  // found .011, of which .012 is stated noise
+  EXPECT_LE(results.get<ValidationOutcome>().held_back.nrmse.at(0),
+            0.015);  // found .011, of which .012 is stated noise
   EXPECT_EQ(results.verdict.state(), VerdictState::consistent);
 }
 
@@ -48,7 +52,7 @@ TEST(MeasuredExample, TheOverpassHasItsFirstTransverseFrequency) {
   if (!std::filesystem::exists(data_folder("painter-street"))) KALFEM_ABSENT("the bridge's record is absent");
   const auto results = results_of_example("painter-street/painter_street.yaml");
   ASSERT_TRUE(results.complete()) << results.failure;
-  const auto& outcome = *results.estimation;
+  const auto& outcome = results.get<EstimationOutcome>();
   ASSERT_TRUE(outcome.frequencies.has_value());
   // The peak of the response of the bent's top to its base is at 4.2 Hz; found 4.0 to 4.5 Hz over the earthquake.
   const auto& first = outcome.frequencies->frequency.row(0);

@@ -2,10 +2,11 @@
 #include <nlohmann/json.hpp>
 
 #include "casefile/case_run.hpp"
-#include "kalfem/pipeline/run_identified_case.hpp"
-#include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/report/result_set.hpp"
-#include "kalfem/report/tables.hpp"
+#include "kalfem/steps/estimation/report.hpp"
+#include "kalfem/steps/judge.hpp"
+#include "kalfem/steps/run_identified_case.hpp"
+#include "kalfem/steps/simulation/outcome.hpp"
 
 // Unknowns of the measurement in a case: gains, offsets, delays and noise of its sensors.
 
@@ -41,11 +42,11 @@ TEST(MeasurementUnknowns, AreEstimatedAndReported) {
   const Study study = study_of(
       with("sensors.a2.gain: {initial: 1.4, std: 50 %, truth: 1}\n    sensors.a2.delay: {initial: 0 s, std: 4 ms}\n"
            "    sensors.x1.offset: {initial: 0 mm, std: 2 mm}\n    sensors.x1.noise: {initial: 0.4 mm}"));
-  const auto results = run_study(study, Step::predict);
-  ASSERT_TRUE(results.estimation && results.estimation->likelihood);
-  const auto& found = *results.estimation->likelihood;
+  const auto results = run_study(study, "predict");
+  ASSERT_TRUE(results.has<EstimationOutcome>() && results.get<EstimationOutcome>().likelihood);
+  const auto& found = *results.get<EstimationOutcome>().likelihood;
   ASSERT_EQ(found.unknowns.size(), 3U);
-  const double noise = results.simulation->measurements.channels[0].noise;
+  const double noise = results.get<SimulationOutcome>().measurements.channels[0].noise;
   const double truth[] = {1.0, 0.0, noise};
   for (Index i = 0; i < 3; ++i)
     EXPECT_NEAR(found.values[i], truth[i], 4.0 * found.deviation[i])
@@ -62,7 +63,7 @@ TEST(MeasurementUnknowns, AreEstimatedAndReported) {
   EXPECT_EQ(summary["parameters"]["sensors.a2.delay"]["unit"], "s");
   EXPECT_NEAR(summary["parameters"]["sensors.x1.offset"]["estimate"].get<double>(), 0.0,
               4.0 * summary["parameters"]["sensors.x1.offset"]["std"].get<double>());
-  EXPECT_EQ(parameter_table(study, *results.estimation).rows.size(), 5U);
+  EXPECT_EQ(parameter_table(study, results.get<EstimationOutcome>()).rows.size(), 5U);
 
   const auto identified = identified_case_of(study, results);
   ASSERT_TRUE(identified);
@@ -76,9 +77,9 @@ TEST(MeasurementUnknowns, ProcessNoiseStandsForWhatTheModelLeavesOut) {
   const auto wrong = changed(with("process_noise: {initial: 0.01, std: 100 %}"), "  diagnose: false\n",
                              "  diagnose: false\n  process_noise: {acceleration: 0}\n");
   const auto results = results_of(wrong);
-  ASSERT_TRUE(results.estimation && results.estimation->likelihood);
-  EXPECT_NEAR(results.estimation->consistency.mean_nis, 2.0, 0.2);
-  EXPECT_GE(results.estimation->likelihood->values[0], 0.0);
+  ASSERT_TRUE(results.has<EstimationOutcome>() && results.get<EstimationOutcome>().likelihood);
+  EXPECT_NEAR(results.get<EstimationOutcome>().consistency.mean_nis, 2.0, 0.2);
+  EXPECT_GE(results.get<EstimationOutcome>().likelihood->values[0], 0.0);
 }
 
 TEST(MeasurementUnknowns, AreRefusedWhereTheyMakeNoSense) {

@@ -5,8 +5,10 @@
 
 #include "base/scratch_folder.hpp"
 #include "casefile/case_run.hpp"
-#include "kalfem/pipeline/reported_quantities.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/simulation/outcome.hpp"
+#include "kalfem/steps/study_results.hpp"
+#include "kalfem/steps/updating/outcome.hpp"
 #include "kalfem/system/signals/deterministic.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
 
@@ -47,7 +49,7 @@ double difference_of_all(const StudyResults& found, const StudyResults& expected
   EXPECT_TRUE(found.complete()) << found.failure;
   EXPECT_TRUE(expected.complete()) << expected.failure;
   double largest = 0.0;
-  for (const auto& quantity : expected.simulation->points)
+  for (const auto& quantity : expected.get<SimulationOutcome>().points)
     largest = std::max(largest, difference(simulated(found, quantity.point, quantity.quantity), quantity.mean));
   return largest;
 }
@@ -144,7 +146,7 @@ TEST(MultiSupport, SupportsThatMoveAlikeAreAnAcceleratedBase) {
     // at rest again
     EXPECT_LT(std::abs(simulated(uniform, "beam.1", displacement).tail(1)[0]), 1e-12);
     EXPECT_LT(difference(alike->simulation->reference.sensors.row(2).transpose(),
-                         uniform.simulation->reference.sensors.row(2).transpose()),
+                         uniform.get<SimulationOutcome>().reference.sensors.row(2).transpose()),
               2e-7);
   }
   const auto half = results_of(driven_by("  a: {base_acceleration: {beam.left: 1, beam.right: 0.5}, " + signal));
@@ -164,7 +166,7 @@ TEST(MultiSupport, TheFilterFindsAStiffnessUnderAcceleratedSupports) {
                            "  b: {base_acceleration: beam.right, random: {rms: 4 m/s^2, band: [1, 20 Hz], seed: 3}}") +
                  estimate);
   ASSERT_TRUE(results.complete()) << results.failure;
-  const auto& unknowns = results.estimation->result.unknowns;
+  const auto& unknowns = results.get<EstimationOutcome>().result.unknowns;
   const Eigen::Index last = unknowns.mean.cols() - 1;
   // four deviations of one record; found 2.0 and .8 of one
   EXPECT_NEAR(unknowns.mean(0, last), 1000.0, 4.0 * unknowns.deviation(0, last));
@@ -172,9 +174,9 @@ TEST(MultiSupport, TheFilterFindsAStiffnessUnderAcceleratedSupports) {
   EXPECT_GT(unknowns.deviation(1, last), 0.3);
   EXPECT_LT(unknowns.deviation(1, last), 1.3);  // found .66
   // 1750 samples of three channels: two standard errors are .12
-  EXPECT_NEAR(results.estimation->consistency.mean_nis, 3.0, 0.13);
+  EXPECT_NEAR(results.get<EstimationOutcome>().consistency.mean_nis, 3.0, 0.13);
   // found .010
-  for (const double error : results.estimation->open_loop_nrmse) EXPECT_LT(error, 0.03);
+  for (const double error : results.get<EstimationOutcome>().open_loop_nrmse) EXPECT_LT(error, 0.03);
 }
 
 /// An updating by the simulation of the whole is driven as the record is.
@@ -185,10 +187,10 @@ TEST(MultiSupport, TheSimulationOfAnUpdatingIsDrivenAlike) {
               "duration: 4 s", "duration: 2 s") +
           "update: {parameters: {beam.m.stiffness: {initial: 4 kN/m, std: 20 %}}, compare: {record: {simulation: "
           "all}}}\n",
-      Step::update);
+      "update");
   ASSERT_TRUE(results.complete()) << results.failure;
-  EXPECT_NEAR(results.updating->values[0], 5000.0, 10.0);    // found 3
-  EXPECT_NEAR(results.updating->residual_final, 1.0, 0.05);  // found .005
+  EXPECT_NEAR(results.get<UpdatingOutcome>().values[0], 5000.0, 10.0);    // found 3
+  EXPECT_NEAR(results.get<UpdatingOutcome>().residual_final, 1.0, 0.05);  // found .005
 }
 
 /// A sensor of the motion against a ground does not tell where the structure is, but for the ground's own motion.
@@ -201,7 +203,7 @@ TEST(MultiSupport, AStartFromTheRecordAddsTheGroundsMotion) {
       text +
       "estimate: {unknown: {stop.k: {initial: 900, std: 100}}, initial_state_from_record: true, settle: 0.2 s}\n");
   ASSERT_TRUE(results.complete()) << results.failure;
-  const auto& start = results.estimation->augmented_model->options().prior.mean;
+  const auto& start = results.get<EstimationOutcome>().augmented_model->options().prior.mean;
   // found 5e-6 and 7e-6: the noise of one sample, 1 %
   EXPECT_NEAR(start.displacement[0], 4e-3, 2e-5);
   EXPECT_NEAR(start.displacement[1], 3e-3, 2e-5);
@@ -315,11 +317,11 @@ TEST(MultiSupport, AMassMayBeUnknownUnderAccelerationOfGroundsAndOfTheWholeBase)
   for (const std::string moved : {"all", "{beam.left: 1, beam.right: 1}"}) {
     const auto results = results_of(driven_by("  a: {base_acceleration: " + moved + ", " + signal) + estimate);
     ASSERT_TRUE(results.complete()) << moved << ": " << results.failure;
-    const auto& unknowns = results.estimation->result.unknowns;
+    const auto& unknowns = results.get<EstimationOutcome>().result.unknowns;
     const Eigen::Index last = unknowns.mean.cols() - 1;
     // four deviations of one record; found .3 and .5 of one
     EXPECT_NEAR(unknowns.mean(0, last), 1.0, 4.0 * unknowns.deviation(0, last)) << moved;
-    EXPECT_NEAR(results.estimation->consistency.mean_nis, 3.0, 0.13) << moved;
+    EXPECT_NEAR(results.get<EstimationOutcome>().consistency.mean_nis, 3.0, 0.13) << moved;
   }
 }
 

@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include "casefile/record_cases.hpp"
+#include "kalfem/report/console_report.hpp"
 #include "kalfem/report/result_set.hpp"
-#include "kalfem/report/tables.hpp"
+#include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/run_study.hpp"
 
 // The record again from the estimates alone.
 namespace kalfem::record_cases {
@@ -15,9 +17,9 @@ TEST_F(OpenLoop, IsDrivenFromTheRecordsOwnStart) {
   write_record(si_columns());
   for (const std::string start : {"0 s", "1.37 s"}) {
     const Study study = load({{"{file: record.csv}\nest", "{file: record.csv, start: " + start + "}\nest"}});
-    const auto results = run_study(study, Step::predict);
+    const auto results = run_study(study, "predict");
     ASSERT_TRUE(results.usable()) << results.failure;
-    const auto& outcome = *results.estimation;
+    const auto& outcome = results.get<EstimationOutcome>();
     ASSERT_TRUE(outcome.open_loop);
     // The force is interpolated by a spline between 40 samples a period.
     // found 9e-4
@@ -41,13 +43,14 @@ TEST_F(OpenLoop, ThatDivergesIsAnOutcome) {
        {std::string("-300*d*v"), std::string("-60*d*v"), std::string("-60*d*v - 1e6*d*x*x*x"), untrusted}) {
     SCOPED_TRACE(force);
     const Study study = with(force);
-    const auto results = run_study(study, Step::predict);
+    const auto results = run_study(study, "predict");
     EXPECT_EQ(results.usable(), force != untrusted) << results.failure;
-    EXPECT_FALSE(results.estimation->open_loop);
+    EXPECT_FALSE(results.get<EstimationOutcome>().open_loop);
     const auto summary = summarise(study, results);
     EXPECT_EQ(summary["status"], force == untrusted ? "unusable" : "ok");
-    EXPECT_NE(results.estimation->open_loop_failure.find("the simulation with the estimates "), std::string::npos);
-    EXPECT_EQ(summary["estimation"]["open_loop_failure"], results.estimation->open_loop_failure);
+    EXPECT_NE(results.get<EstimationOutcome>().open_loop_failure.find("the simulation with the estimates "),
+              std::string::npos);
+    EXPECT_EQ(summary["estimation"]["open_loop_failure"], results.get<EstimationOutcome>().open_loop_failure);
     EXPECT_FALSE(summary["estimation"].contains("open_loop"));
     EXPECT_NE(console_report(study, results).find("No open-loop comparison: "), std::string::npos);
   }
@@ -56,7 +59,7 @@ TEST_F(OpenLoop, ThatDivergesIsAnOutcome) {
 TEST_F(OpenLoop, TheSummarySaysWhichPartOfTheRecordWasUsed) {
   write_record(si_columns());
   const Study study = load({{"{file: record.csv}\nest", "{file: record.csv, start: 1 s, end: 3 s}\nest"}});
-  const auto record = summarise(study, run_study(study, Step::modes))["record"];
+  const auto record = summarise(study, run_study(study, "modes"))["record"];
   EXPECT_EQ(record["start_s"], 1.0);
   EXPECT_EQ(record["end_s"], 3.0);
   EXPECT_EQ(record["samples"], 201);

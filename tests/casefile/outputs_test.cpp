@@ -7,12 +7,16 @@
 #include "kalfem/estimation/consistency.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "kalfem/identification/stated_interval.hpp"
-#include "kalfem/report/display_unit.hpp"
-#include "kalfem/report/modes_table.hpp"
+#include "kalfem/page/display_unit.hpp"
 #include "kalfem/report/result_set.hpp"
-#include "kalfem/report/tables.hpp"
 #include "kalfem/statistics/quantiles.hpp"
-#include "report/sample_inference.hpp"
+#include "kalfem/steps/estimation/report.hpp"
+#include "kalfem/steps/inference/outcome.hpp"
+#include "kalfem/steps/modes/report.hpp"
+#include "kalfem/steps/prediction/outcome.hpp"
+#include "kalfem/steps/simulation/outcome.hpp"
+#include "kalfem/steps/updating/outcome.hpp"
+#include "steps/sample_inference.hpp"
 
 /// summary.json and results.h5 say what was computed: each number stands under its own name and in its own unit.
 namespace kalfem::wiring {
@@ -41,7 +45,7 @@ struct Everything {
         "{parameters: {s.k.stiffness: {initial: 640, bounds: [100, 3000], std: 300}, s.m.stiffness: {initial: 810}}, "
         "compare: {f: {modes: s, frequencies: [2.9, 5.5], above: 0.5 Hz, weight: 2}}, check_sensitivities: true}"},
        {"modifications", "{m: {substructure: s, set: {k.stiffness: 900}, above: 0.5 Hz, modes: 2}}"}}));
-  StudyResults results = run(study, Step::update);
+  StudyResults results = run(study, "update");
 };
 
 const Everything& everything() {
@@ -56,7 +60,7 @@ void same(const Json& json, double expected) {
 
 TEST(Summary, HoldsTheParametersOfTheFilter) {
   const auto& [study, results] = everything();
-  const auto& outcome = *results.estimation;
+  const auto& outcome = results.get<EstimationOutcome>();
   const auto summary = summarise(study, results);
   const Index last = outcome.result.unknowns.mean.cols() - 1, first = outcome.augmented_model->layout().unknown();
   const double truth[] = {500.0, 3.0}, initial[] = {400.0, 2.0};
@@ -88,7 +92,7 @@ TEST(Summary, HoldsTheParametersOfTheFilter) {
 
 /// c.k is in the filter's state by its logarithm, c.c as it is.
 TEST(StatedInterval, ComesFromTheLargerOfTheTwoDeviations) {
-  EstimationOutcome outcome = *everything().results.estimation;
+  EstimationOutcome outcome = everything().results.get<EstimationOutcome>();
   const Index last = outcome.result.unknowns.mean.cols() - 1, first = outcome.augmented_model->layout().unknown();
   const VectorXd stated = outcome.result.unknowns.deviation.col(last), mean = outcome.result.unknowns.mean.col(last);
   outcome.robust_deviation = VectorXd{{3.0 * stated[0], 0.5 * stated[1]}};
@@ -110,7 +114,7 @@ TEST(StatedInterval, ComesFromTheLargerOfTheTwoDeviations) {
 }
 
 TEST(StatedInterval, IsTheFiltersWhereThereIsNoRobustDeviation) {
-  EstimationOutcome outcome = *everything().results.estimation;
+  EstimationOutcome outcome = everything().results.get<EstimationOutcome>();
   outcome.robust_deviation.setConstant(std::numeric_limits<double>::quiet_NaN());
   const auto interval = stated_interval(outcome, 1);
   EXPECT_FALSE(interval.robust);
@@ -121,7 +125,7 @@ TEST(StatedInterval, IsTheFiltersWhereThereIsNoRobustDeviation) {
 
 TEST(Summary, HoldsTheConsistencyOfTheFilter) {
   const auto& [study, results] = everything();
-  const auto& outcome = *results.estimation;
+  const auto& outcome = results.get<EstimationOutcome>();
   const auto summary = summarise(study, results)["estimation"];
   const VectorXd nis = outcome.result.nis.tail(201 - 50);
   same(summary["nis"]["mean"], nis.mean());
@@ -135,7 +139,7 @@ TEST(Summary, HoldsTheConsistencyOfTheFilter) {
     const VectorXd innovation = outcome.result.innovation.row(i).tail(151).transpose();
     const double noise = outcome.measurements.channels[std::size_t(i)].noise;
     same(summary["innovation_to_noise"][i == 0 ? "yw" : "yb"], rms(innovation) / noise);
-    near(noise, (i == 0 ? 0.02 : 0.05) * rms(results.simulation->reference.sensors.row(i).transpose()));
+    near(noise, (i == 0 ? 0.02 : 0.05) * rms(results.get<SimulationOutcome>().reference.sensors.row(i).transpose()));
   }
   same(summary["log_likelihood"], outcome.result.log_likelihood);
   EXPECT_EQ(summary["steps"], 201);
@@ -150,15 +154,16 @@ TEST(Summary, HoldsErrorsAgainstTheTruthAfterSettling) {
                         "force_nrmse",        "deformation_nrmse", "rate_nrmse"};
   const auto check = [&](const PointQuantity& point, const Json& own) {
     const auto* truth = [&]() -> const PointQuantity* {
-      for (const auto& each : results.simulation->points)
+      for (const auto& each : results.get<SimulationOutcome>().points)
         if (each.point == point.point && each.quantity == point.quantity) return &each;
       return nullptr;
     }();
     ASSERT_NE(truth, nullptr);
     same(own[keys[int(point.quantity)]], nrmse(point.mean.tail(151), truth->mean.tail(151)));
   };
-  for (const auto& point : results.estimation->points) check(point, summary["estimation"]["states"][point.point]);
-  for (const auto& point : results.prediction->points)
+  for (const auto& point : results.get<EstimationOutcome>().points)
+    check(point, summary["estimation"]["states"][point.point]);
+  for (const auto& point : results.get<PredictionOutcome>().points)
     check(point, summary["prediction"]["s"][point.point.substr(point.point.find('.') + 1)]);
   const VectorXd frequencies = results.modifications.at(0).frequencies;
   for (Index i : {0, 1}) same(summary["prediction"]["m"]["frequencies_hz"][std::size_t(i)], frequencies[i]);
@@ -167,7 +172,7 @@ TEST(Summary, HoldsErrorsAgainstTheTruthAfterSettling) {
 
 TEST(Summary, HoldsTheUpdating) {
   const auto& [study, results] = everything();
-  const auto& outcome = *results.updating;
+  const auto& outcome = results.get<UpdatingOutcome>();
   const auto summary = summarise(study, results)["updating"];
   const char* names[] = {"s.k.stiffness", "s.m.stiffness"};
   for (Index i : {0, 1}) {
@@ -212,9 +217,9 @@ TEST(Summary, HoldsTheModel) {
   const auto summary = summarise(study, results)["model"];
   EXPECT_EQ(summary["dofs"], 4);
   same(summary["substructures"]["s"]["mass"], 6.0);
-  same(summary["substructures"]["s"]["frequencies_hz"][1], results.modes[1].frequencies[1]);
+  same(summary["substructures"]["s"]["frequencies_hz"][1], results.get<ModesOutcome>().substructures[1].frequencies[1]);
   const auto beam = study_of(beam_case());
-  const auto reduced = summarise(beam, run(beam, Step::modes))["model"]["substructures"]["b"];
+  const auto reduced = summarise(beam, run(beam, "modes"))["model"]["substructures"]["b"];
   const auto& error_indicators = beam.structure->finite_elements[0].reduced->error_indicators;
   same(reduced["reduction"]["highest_kept_hz"], error_indicators.highest_kept);
   same(reduced["reduction"]["next_left_out_hz"], error_indicators.next_left_out);
@@ -225,7 +230,7 @@ TEST(Summary, HoldsTheModel) {
 
 TEST(ModesTable, ComparesEveryModeThatAReductionKeeps) {
   const auto beam = study_of(beam_case());
-  const auto table = modes_table(beam, run(beam, Step::modes));
+  const auto table = modes_table(beam, run(beam, "modes"));
   const auto& indicators = beam.structure->finite_elements[0].reduced->error_indicators;
   EXPECT_EQ(table.columns, (std::vector<std::string>{"substructure", "mode", "full [Hz]", "reduced [Hz]", "difference",
                                                      "MAC", "residual"}));
@@ -253,7 +258,7 @@ TEST(ModesTable, WritesSixDigitsWhereOnlyTheseTellFrequenciesApart) {
   structure.finite_elements[0].reduced = std::make_shared<const Superelement>(reduced);
   beam.structure = std::make_shared<const StructureModel>(structure);
   StudyResults results;
-  results.modes = {{.name = "b", .frequencies = VectorXd::Zero(3)}};
+  results.put(ModesOutcome{{{.name = "b", .frequencies = VectorXd::Zero(3)}}, {}});
   const auto table = modes_table(beam, results);
   const auto frequencies = [&](std::size_t row) { return std::pair(table.rows[row][2], table.rows[row][3]); };
   EXPECT_EQ(frequencies(0), std::pair(std::string("12.3456"), std::string("12.3471")));
@@ -274,8 +279,8 @@ TEST(ModesTable, SaysWhyNothingIsCompared) {
 TEST(ResultsFile, HoldsThePosteriorByChainAndDraw) {
   const Study& study = everything().study;
   StudyResults results;
-  results.inference = sample_inference();
-  const auto& outcome = *results.inference;
+  results.put(sample_inference());
+  const auto& outcome = results.get<InferenceOutcome>();
   const auto path = write_file("posterior.h5", "").string();
   write_results(path, study, results, "this run");
   const auto file = Hdf5File::open(path);
@@ -301,8 +306,8 @@ TEST(ResultsFile, HoldsThePosteriorByChainAndDraw) {
 TEST(ResultsFile, HoldsWeightedSamplesWithEqualWeights) {
   const Study& study = everything().study;
   StudyResults results;
-  results.inference = sample_inference();
-  auto& samples = results.inference->samples;
+  results.put(sample_inference());
+  auto& samples = results.get<InferenceOutcome>().samples;
   samples.chains = 1;
   samples.draws = samples.values.cols();
   samples.weights = VectorXd::Zero(samples.draws);
@@ -328,30 +333,30 @@ TEST(ResultsFile, HoldsEverySeriesUnderItsName) {
   };
   const char* names[] = {"displacement", "velocity", "acceleration", "force", "deformation", "rate"};
   const char* units[] = {"m", "m/s", "m/s^2", "N", "m", "m/s"};
-  for (const auto& point : results.simulation->points)
+  for (const auto& point : results.get<SimulationOutcome>().points)
     check("/truth/" + point.point + "/" + names[int(point.quantity)], point.mean, units[int(point.quantity)]);
-  for (const auto& point : results.estimation->points) {
+  for (const auto& point : results.get<EstimationOutcome>().points) {
     const std::string name = "/estimate/" + point.point + "/" + names[int(point.quantity)];
     check(name, point.mean, units[int(point.quantity)]);
     check(name + "_std", point.deviation, units[int(point.quantity)]);
   }
-  for (const auto& point : results.prediction->points)
+  for (const auto& point : results.get<PredictionOutcome>().points)
     check("/prediction/" + point.point + "/" + names[int(point.quantity)], point.mean, units[int(point.quantity)]);
-  const auto& estimate = results.estimation->result;
+  const auto& estimate = results.get<EstimationOutcome>().result;
   check("/estimate/parameters/c.c", estimate.unknowns.mean.row(1).transpose(), "N s/m");
   check("/estimate/parameters/c.c_std", estimate.unknowns.deviation.row(1).transpose(), "N s/m");
   check("/innovation/value/yb", estimate.innovation.row(1).transpose(), "m");
   check("/innovation/deviation/yb", estimate.innovation_deviation.row(1).transpose(), "m");
   check("/innovation/nis", estimate.nis, "-");
-  check("/measurements/yw", results.simulation->measurements.values.row(0).transpose(), "m/s^2");
+  check("/measurements/yw", results.get<SimulationOutcome>().measurements.values.row(0).transpose(), "m/s^2");
   const VectorXd force = study.structure->signals[0]->sample(0.0, 0.01, 201).col(0).matrix();
   // the file holds doubles; the signal is evaluated at other blocks of times
   EXPECT_LT((file.read("/inputs/f") - force).norm(), 1e-13 * force.norm());
   EXPECT_EQ(file.text_attribute("/inputs/f", "unit"), "N");
   EXPECT_LT((file.read("/time") - VectorXd::LinSpaced(201, 0.0, 2.0)).norm(), 1e-14);
   check("/updating/parameters/s.m.stiffness_tried",
-        VectorXd::NullaryExpr(Index(results.updating->trace.size()),
-                              [&](Index k) { return results.updating->trace[std::size_t(k)].tried[1]; }),
+        VectorXd::NullaryExpr(Index(results.get<UpdatingOutcome>().trace.size()),
+                              [&](Index k) { return results.get<UpdatingOutcome>().trace[std::size_t(k)].tried[1]; }),
         "N/m");
 }
 
@@ -366,13 +371,13 @@ TEST(EstimatedDeviations, AreThoseOfTheErrors) {
                         {"excitation", "{f: {force: s.b, random: {rms: 10, band: [0.5, 12], fade_in: 0.1}}}"},
                         {"simulate", "{duration: 2 s, sample_rate: 200 Hz, seed: " + std::to_string(seed) + "}"},
                         {"estimate", "{unknown: {c.k: {initial: 480, std: 40}}, settle: 0.5 s}"}}));
-    const auto results = run(study, Step::estimate);
-    for (const auto& point : results.estimation->points) {
+    const auto results = run(study, "estimate");
+    for (const auto& point : results.get<EstimationOutcome>().points) {
       if (point.quantity != ObservedQuantity::displacement) continue;
       const VectorXd error = (point.mean - point.truth).cwiseQuotient(point.deviation);
       for (const Index k : {150, 250, 350}) squares += error[k] * error[k], count += 1.0;
     }
-    const auto& unknowns = results.estimation->result.unknowns;
+    const auto& unknowns = results.get<EstimationOutcome>().result.unknowns;
     parameter += std::pow((unknowns.mean(0, 400) - 500.0) / unknowns.deviation(0, 400), 2) / seeds;
   }
   std::printf("squared errors: displacements %.2f, parameter %.2f variances\n", squares / count, parameter);

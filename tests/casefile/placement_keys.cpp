@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "casefile/probes.hpp"
 
+#include "kalfem/steps/placement/outcome.hpp"
+#include "kalfem/study/study.hpp"
+
 /// Keys of the placement of sensors: its plan, and what they do to the choice.
 namespace kalfem::wiring {
 namespace {
@@ -22,7 +25,7 @@ PlacementPlan plan_of(const std::string& text, const Sections& more = {}) {
 PlacementPlan plan_of_group(const std::string& group) { return plan_of("candidates: {g: {" + group + "}}, " + one); }
 
 PlacementOutcome placed(const std::string& text, const Sections& more = {}) {
-  return run(with_place(text, more), Step::place).placement.value();
+  return run(with_place(text, more), "place").get<PlacementOutcome>();
 }
 
 std::vector<std::string> names_of(const PlacementPlan& plan) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
-#include "kalfem/pipeline/run_steps.hpp"
+#include "kalfem/steps/run_study.hpp"
+#include "kalfem/steps/simulation/field_series.hpp"
 
 #include "casefile/damping_of_unknowns.hpp"
 
@@ -14,7 +15,7 @@ const std::string usual = "mu_k1: {initial: 10 N, std: 50 %}";
 
 StudyResults results_of(const std::string& mu_k1) {
   const Study study = study_of(with(chain_case("4 s", ""), usual, mu_k1));
-  return run_study(study, Step::estimate);
+  return run_study(study, "estimate");
 }
 
 bool holds(const std::string& text, const std::string& piece) { return text.find(piece) != std::string::npos; }

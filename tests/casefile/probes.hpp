@@ -6,7 +6,8 @@
 #include <cmath>
 
 #include "casefile/case_sections.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/steps/run_study.hpp"
+#include "kalfem/steps/simulation/outcome.hpp"
 
 /// Numbers of what is built from a case.
 namespace kalfem::wiring {
@@ -56,15 +57,15 @@ inline void same_signal(const Signal& found, const Signal& expected, double step
   EXPECT_LE((a - b).norm(), rounding * b.norm());
 }
 
-inline StudyResults run(const Study& study, Step last) {
-  StudyResults results = run_study(study, last);
+inline StudyResults run(const Study& study, std::string_view verb) {
+  StudyResults results = run_study(study, verb);
   EXPECT_TRUE(results.complete()) << results.failure;
   return results;
 }
 
 /// Simulated, free of noise: the record of the sensors, sensors x samples.
 inline Eigen::MatrixXd clean_record(const Study& study) {
-  return run(study, Step::simulate).simulation->reference.sensors;
+  return run(study, "simulate").get<SimulationOutcome>().reference.sensors;
 }
 
 inline double relative_difference(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {

@@ -3,8 +3,8 @@
 
 #include "casefile/case_run.hpp"
 #include "kalfem/diagnosis/judge_estimation.hpp"
-#include "kalfem/pipeline/run_study.hpp"
 #include "kalfem/report/result_set.hpp"
+#include "kalfem/steps/run_study.hpp"
 
 // Estimates against the process noise: shown always, and a reason for doubt where they depend on it.
 
@@ -42,7 +42,7 @@ std::vector<Reason> reasons_of_noise(const RecordEstimate& estimate) {
 RecordEstimate estimate_of(const std::string& model, const std::string& truth) {
   const Study recorded = study_of(truth);
   Study study = study_of(model);
-  const StudyResults results = run_study(recorded, Step::simulate);
+  const StudyResults results = run_study(recorded, "simulate");
   return estimate_record_thoroughly(study.problem, *study.augmented_model, record_of(recorded, results));
 }
 
@@ -91,7 +91,7 @@ TEST(ProcessNoiseStudy, IsLeftOutWhereThereIsNothingToCompare) {
 
 TEST(ProcessNoiseStudy, StandsInTheSummaryAndOnThePage) {
   const auto study = study_of(oscillator("k*x"));
-  const auto results = run_study(study, Step::estimate);
+  const auto results = run_study(study, "estimate");
   const auto trials = summarise(study, results)["estimation"]["process_noise"];
   ASSERT_EQ(trials.size(), 5U);
   EXPECT_EQ(trials[4]["factor"].get<double>(), 10.0);

@@ -3,6 +3,7 @@
 
 #include "casefile/record_cases.hpp"
 #include "kalfem/report/record_check.hpp"
+#include "kalfem/study/study.hpp"
 
 // The record of a case beside what its model expects of it, before anything is estimated.
 namespace kalfem::record_cases {

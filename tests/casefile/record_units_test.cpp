@@ -4,7 +4,7 @@
 #include "casefile/record_cases.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "kalfem/identification/parameterised_structure.hpp"
-#include "kalfem/pipeline/run_updating.hpp"
+#include "kalfem/study/study.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 
 // Units of a record's columns: of the case, of the file, and both.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "casefile/probes.hpp"
 #include "kalfem/report/result_set.hpp"
+#include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/modes/outcome.hpp"
 
 /// Keys of the report: what is computed for it, and what stands on its page.
 namespace kalfem::wiring {
@@ -8,14 +10,14 @@ namespace {
 
 void titles() {
   const auto study = study_of(lumped_case({{"title", "A chain of two"}}));
-  const auto results = run(study, Step::simulate);
+  const auto results = run(study, "simulate");
   EXPECT_EQ(make_page(study, results).title, "A chain of two");
   EXPECT_EQ(summarise(study, results).at("title"), "A chain of two");
 }
 
 void frequencies_over_time() {
   const auto course = [](const std::string& report) {
-    return run(study_of(estimated_case({{"report", report}})), Step::estimate).estimation->frequencies;
+    return run(study_of(estimated_case({{"report", report}})), "estimate").get<EstimationOutcome>().frequencies;
   };
   EXPECT_FALSE(course("").has_value());
   ASSERT_TRUE(course("{frequencies: 1}").has_value());
@@ -24,7 +26,10 @@ void frequencies_over_time() {
 
 void numbers_of_modes() {
   const auto count = [](const std::string& report) {
-    return run(study_of(beam_case({{"report", report}})), Step::modes).modes.at(0).frequencies.size();
+    return run(study_of(beam_case({{"report", report}})), "modes")
+        .get<ModesOutcome>()
+        .substructures.at(0)
+        .frequencies.size();
   };
   EXPECT_EQ(count("{modes: 3}"), 3);
   EXPECT_EQ(count("{modes: 5}"), 5);
@@ -35,7 +40,7 @@ void numbers_of_modes() {
 std::vector<Chart> displacement_charts(const std::string& report) {
   const auto study = study_of(estimated_case({{"report", report}}));
   std::vector<Chart> charts;
-  for (const auto& section : make_page(study, run(study, Step::estimate)).sections)
+  for (const auto& section : make_page(study, run(study, "estimate")).sections)
     for (const auto& item : section.items)
       if (const auto* chart = std::get_if<Chart>(&item); chart && chart->title.starts_with("Displacement of"))
         charts.push_back(*chart);
@@ -65,7 +70,7 @@ void strains() {
                             {"estimate", "{settle: 0 s}"},
                             {"report", report}}));
     std::vector<std::string> titles;
-    for (const auto& section : make_page(study, run(study, Step::estimate)).sections)
+    for (const auto& section : make_page(study, run(study, "estimate")).sections)
       for (const auto& item : section.items)
         if (const auto* chart = std::get_if<Chart>(&item);
             chart && chart->title.starts_with("Strain at") && !chart->x_window)
@@ -93,7 +98,8 @@ void pictures() {
   const std::string two =
       "{b: {finite_elements: {" + beam_elements() + "}}, c: {finite_elements: {" + beam_elements() + "}}}";
   const auto series = [&](const std::string& text) {
-    return run(study_of(beam_case({{"substructures", two}, {"report", "{fields: {" + text + "}}"}})), Step::simulate)
+    return run(study_of(beam_case({{"substructures", two}, {"report", "{fields: {" + text + "}}"}})), "simulate")
+        .get<SimulationOutcome>()
         .fields.at(0);
   };
   EXPECT_EQ(series("substructure: b").substructure, "b");

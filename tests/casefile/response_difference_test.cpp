@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "kalfem/pipeline/run_frequency_response.hpp"
+#include "kalfem/steps/frequency_response/compute.hpp"
+#include "kalfem/steps/frequency_response/outcome.hpp"
 
 namespace kalfem {
 namespace {

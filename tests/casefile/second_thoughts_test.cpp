@@ -5,9 +5,10 @@
 #include "casefile/small_cases.hpp"
 #include "kalfem/base/interruption.hpp"
 #include "kalfem/identification/stated_interval.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/report/console_report.hpp"
 #include "kalfem/report/result_set.hpp"
-#include "kalfem/report/tables.hpp"
+#include "kalfem/steps/estimation/report.hpp"
+#include "kalfem/steps/run_study.hpp"
 
 // The first answer of an estimation, and what may follow it.
 
@@ -22,7 +23,7 @@ std::string oscillator_with(const std::string& settings) {
 StudyResults run_with(const std::string& settings, std::vector<StudyResults>* first = nullptr) {
   RunOptions options;
   if (first) options.on_first_answer = [&](const StudyResults& results) { first->push_back(results); };
-  return run_study(study_of(oscillator_with(settings)), Step::estimate, options);
+  return run_study(study_of(oscillator_with(settings)), "estimate", options);
 }
 
 double half_width(const RecordEstimate& estimate) {
@@ -34,21 +35,21 @@ TEST(SecondThoughts, FollowTheFirstAnswer) {
   std::vector<StudyResults> first;
   const auto results = run_with("", &first);
   ASSERT_EQ(first.size(), 1U);
-  const auto& answer = *first.front().estimation;
+  const auto& answer = first.front().get<EstimationOutcome>();
   EXPECT_EQ(answer.second_thoughts, SecondThoughts::pending);
   EXPECT_EQ(answer.substeps.substeps, 4);
   EXPECT_TRUE(answer.substeps.limited);
   EXPECT_GT(answer.substeps.bias[0], 0.2);
   EXPECT_TRUE(answer.process_noise.empty());
-  EXPECT_EQ(results.estimation->second_thoughts, SecondThoughts::done);
-  EXPECT_EQ(results.estimation->substeps.substeps, 16);
-  EXPECT_TRUE(results.estimation->left_out.empty());
-  EXPECT_LE(results.estimation->first_answer_seconds, results.estimation->seconds);
+  EXPECT_EQ(results.get<EstimationOutcome>().second_thoughts, SecondThoughts::done);
+  EXPECT_EQ(results.get<EstimationOutcome>().substeps.substeps, 16);
+  EXPECT_TRUE(results.get<EstimationOutcome>().left_out.empty());
+  EXPECT_LE(results.get<EstimationOutcome>().first_answer_seconds, results.get<EstimationOutcome>().seconds);
 }
 
 TEST(SecondThoughts, HoldTheBiasOfTheSubstepsInTheInterval) {
   const auto results = run_with("  second_thoughts: none\n");
-  const auto& estimate = *results.estimation;
+  const auto& estimate = results.get<EstimationOutcome>();
   EXPECT_EQ(estimate.second_thoughts, SecondThoughts::none);
   EXPECT_EQ(estimate.substeps.substeps, 4);
   RecordEstimate settled = estimate;
@@ -64,19 +65,20 @@ TEST(SecondThoughts, TakeNoMoreFilterStepsThanTheyMay) {
   const auto without = run_with("  second_thoughts: none\n", &none);
   EXPECT_TRUE(none.empty());  // nothing follows, so it is the only answer
   // The first answer takes passes with 4 and 2 substeps. Eight substeps are tried where the budget holds two such runs.
-  EXPECT_EQ(run_with("  second_thoughts: 2.6\n").estimation->left_out.front(), "more substeps");
+  EXPECT_EQ(run_with("  second_thoughts: 2.6\n").get<EstimationOutcome>().left_out.front(), "more substeps");
   const auto tried = run_with("  second_thoughts: 2.7\n");
-  EXPECT_GE(tried.estimation->substeps.substeps, 4);
-  EXPECT_LT(tried.estimation->substeps.bias[0], 4.0 * without.estimation->substeps.bias[0]);
-  EXPECT_EQ(tried.estimation->second_thoughts, SecondThoughts::stopped);
+  EXPECT_GE(tried.get<EstimationOutcome>().substeps.substeps, 4);
+  EXPECT_LT(tried.get<EstimationOutcome>().substeps.bias[0], 4.0 * without.get<EstimationOutcome>().substeps.bias[0]);
+  EXPECT_EQ(tried.get<EstimationOutcome>().second_thoughts, SecondThoughts::stopped);
   const auto full = run_with("  second_thoughts: full\n"), enough = run_with("  second_thoughts: 100\n");
-  EXPECT_EQ(enough.estimation->second_thoughts, SecondThoughts::done);
-  EXPECT_EQ(enough.estimation->result.unknowns.mean, full.estimation->result.unknowns.mean);  // bit by bit
+  EXPECT_EQ(enough.get<EstimationOutcome>().second_thoughts, SecondThoughts::done);
+  EXPECT_EQ(enough.get<EstimationOutcome>().result.unknowns.mean,
+            full.get<EstimationOutcome>().result.unknowns.mean);  // bit by bit
 }
 
 TEST(SecondThoughts, AreTold) {
   const Study study = study_of(oscillator_with("  second_thoughts: 1\n"));
-  const auto results = run_study(study, Step::estimate);
+  const auto results = run_study(study, "estimate");
   const auto summary = summarise(study, results);
   EXPECT_EQ(summary["second_thoughts"], "stopped");
   EXPECT_EQ(summary["estimation"]["left_out"][0], "more substeps");
@@ -102,11 +104,11 @@ TEST(SecondThoughts, KeepTheFirstAnswerWhereTheRunIsStopped) {
   const Study study = study_of(oscillator_with(""));
   const StopQuestion question = [&] { return answered; };
   const StopScope scope(&question);
-  const auto results = run_study(study, Step::estimate, options);
+  const auto results = run_study(study, "estimate", options);
   EXPECT_TRUE(results.interrupted);
-  ASSERT_TRUE(results.estimation);
-  EXPECT_EQ(results.estimation->second_thoughts, SecondThoughts::stopped);
-  EXPECT_EQ(results.estimation->substeps.substeps, 4);
+  ASSERT_TRUE(results.has<EstimationOutcome>());
+  EXPECT_EQ(results.get<EstimationOutcome>().second_thoughts, SecondThoughts::stopped);
+  EXPECT_EQ(results.get<EstimationOutcome>().substeps.substeps, 4);
 }
 
 }  // namespace

@@ -3,7 +3,8 @@
 
 #include "casefile/case_run.hpp"
 #include "casefile/small_cases.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+
+#include "kalfem/steps/simulation/outcome.hpp"
 
 // Motion that no finer step brings together: a mass that rattles between stops.
 
@@ -16,39 +17,38 @@ const std::string rattle =
 )";
 
 TEST(SensitiveMotion, IsSaidWhereRefiningTheStepDoesNotHelp) {
-  const auto results = results_of(rattle, Step::simulate);
+  const auto results = results_of(rattle, "simulate");
   ASSERT_FALSE(results.complete());
   for (const char* part :
        {"chaotic or very sensitive", "refining the step does not reduce the difference", "simulate.substeps: 128"})
     EXPECT_NE(results.failure.find(part), std::string::npos) << results.failure;
   EXPECT_EQ(results.failure.find("raise simulate.max_substeps"), std::string::npos);
   // of five solutions; by rounding the coarsest may stop at an impact, which leaves those behind it
-  ASSERT_GE(results.simulation->reference.changes.size(), 3U);
+  ASSERT_GE(results.get<SimulationOutcome>().reference.changes.size(), 3U);
 }
 
 /// Where the step is only too long, a finer one is what helps.
 TEST(SensitiveMotion, IsNotSaidWhereTheStepIsTooLong) {
   const auto results = results_of(changed(changed(rattle, "duration: 60 s", "duration: 0.5 s"), "max_substeps: 128",
                                           "max_substeps: 128, tolerance: 1e-9"),
-                                  Step::simulate);
+                                  "simulate");
   ASSERT_FALSE(results.complete());
   EXPECT_NE(results.failure.find("raise simulate.max_substeps or simulate.tolerance"), std::string::npos)
       << results.failure;
 }
 
 TEST(SensitiveMotion, AFixedStepGivesOneOfTheMotions) {
-  const auto fixed =
-      results_of(changed(rattle, "first_substeps: 8, max_substeps: 128", "substeps: 16"), Step::simulate);
+  const auto fixed = results_of(changed(rattle, "first_substeps: 8, max_substeps: 128", "substeps: 16"), "simulate");
   ASSERT_TRUE(fixed.complete()) << fixed.failure;
-  EXPECT_EQ(fixed.simulation->reference.substeps, 16);
-  EXPECT_TRUE(fixed.simulation->reference.changes.empty());
-  EXPECT_EQ(fixed.simulation->measurements.samples(), 6001);
+  EXPECT_EQ(fixed.get<SimulationOutcome>().reference.substeps, 16);
+  EXPECT_TRUE(fixed.get<SimulationOutcome>().reference.changes.empty());
+  EXPECT_EQ(fixed.get<SimulationOutcome>().measurements.samples(), 6001);
   // it is the plain solution with that step
   const auto study = study_of(changed(rattle, "first_substeps: 8, max_substeps: 128", "substeps: 16"));
   const auto once =
       simulate(study.model->system(), study.structure->signals, at_rest(1, 0),
                {.integrator = Integrator::newmark, .step = 1.0 / 1600, .duration = 60.0, .keep_every = 16});
-  EXPECT_EQ(once.trajectory.displacement.row(0), fixed.simulation->reference.sensors.row(0));
+  EXPECT_EQ(once.trajectory.displacement.row(0), fixed.get<SimulationOutcome>().reference.sensors.row(0));
 }
 
 TEST(SensitiveMotion, AFixedStepIsNotHalvedAsWell) {

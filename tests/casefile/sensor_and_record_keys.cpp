@@ -6,6 +6,8 @@
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/records/record_splice.hpp"
+#include "kalfem/steps/run_study.hpp"
+#include "kalfem/steps/simulation/outcome.hpp"
 
 /// Keys of sensors with their measurement chains, and of measured records.
 namespace kalfem::wiring {
@@ -105,14 +107,14 @@ void noise_is_absolute_or_a_part_of_the_rms() {
   // signal.
   const auto study = study_of(estimated_case(
       {{"sensors", "{y: {displacement: s.b, noise: 5 %}}"}, {"simulate", "{duration: 20 s, sample_rate: 100 Hz}"}}));
-  const auto results = run(study, Step::simulate);
-  const Eigen::VectorXd clean = results.simulation->reference.sensors.row(0).transpose();
-  near(results.simulation->measurements.channels[0].noise, 0.05 * rms(clean));
-  const Eigen::VectorXd noise = results.simulation->measurements.values.row(0).transpose() - clean;
+  const auto results = run(study, "simulate");
+  const Eigen::VectorXd clean = results.get<SimulationOutcome>().reference.sensors.row(0).transpose();
+  near(results.get<SimulationOutcome>().measurements.channels[0].noise, 0.05 * rms(clean));
+  const Eigen::VectorXd noise = results.get<SimulationOutcome>().measurements.values.row(0).transpose() - clean;
   // 2001 samples: the rms of the noise is known to 1.6 %, three deviations.
-  near(rms(noise), results.simulation->measurements.channels[0].noise, 3.0 / std::sqrt(2.0 * 2001));
+  near(rms(noise), results.get<SimulationOutcome>().measurements.channels[0].noise, 3.0 / std::sqrt(2.0 * 2001));
   const auto filter = make_filter_run(study.problem, *study.augmented_model, record_of(study, results));
-  near(filter.input.noise(0, 0), std::pow(results.simulation->measurements.channels[0].noise, 2));
+  near(filter.input.noise(0, 0), std::pow(results.get<SimulationOutcome>().measurements.channels[0].noise, 2));
 }
 
 std::complex<double> response(const std::string& chain, double frequency) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "casefile/probes.hpp"
 #include "kalfem/base/random.hpp"
+#include "kalfem/steps/run_study.hpp"
+#include "kalfem/steps/simulation/outcome.hpp"
 
 /// Keys of the simulation: the record is the one that the library makes with the same options.
 namespace kalfem::wiring {
@@ -50,23 +52,22 @@ void integrators() {
 
 void steps_are_refined_to_the_tolerance() {
   const auto substeps = [](const std::string& text) {
-    return run(with_simulation(text), Step::simulate).simulation->reference.substeps;
+    return run(with_simulation(text), "simulate").get<SimulationOutcome>().reference.substeps;
   };
   EXPECT_EQ(substeps("tolerance: 5, first_substeps: 1"), 2);
   EXPECT_EQ(substeps("tolerance: 5, first_substeps: 8"), 16);
   EXPECT_EQ(substeps("tolerance: 5"), 8);  // from 4 on
   EXPECT_GT(substeps("tolerance: 1e-6, first_substeps: 1"), substeps("tolerance: 1e-2, first_substeps: 1"));
-  const auto stopped =
-      run_study(with_simulation("tolerance: 1e-12, first_substeps: 1, max_substeps: 4"), Step::simulate);
+  const auto stopped = run_study(with_simulation("tolerance: 1e-12, first_substeps: 1, max_substeps: 4"), "simulate");
   EXPECT_FALSE(stopped.complete());
-  EXPECT_EQ(stopped.simulation->reference.substeps, 3);  // 6 would be the next
+  EXPECT_EQ(stopped.get<SimulationOutcome>().reference.substeps, 3);  // 6 would be the next
 }
 
 /// A fixed step is neither refined nor compared: the plain solution with it, also above the usual max_substeps of 256.
 void fixed_steps() {
   for (const int substeps : {3, 300}) {
     const auto study = with_simulation("substeps: " + std::to_string(substeps));
-    const auto reference = run(study, Step::simulate).simulation->reference;
+    const auto reference = run(study, "simulate").get<SimulationOutcome>().reference;
     EXPECT_EQ(reference.substeps, substeps);
     EXPECT_TRUE(reference.changes.empty());
     const auto once =
@@ -79,18 +80,21 @@ void fixed_steps() {
 
 void lengths() {
   const auto study = study_of(lumped_case({{"simulate", "{duration: 0.3 s, sample_rate: 200 Hz}"}}));
-  const auto results = run(study, Step::simulate);
-  EXPECT_EQ(results.simulation->measurements.samples(), 61);
-  near(results.simulation->measurements.sample_rate, 200.0);
+  const auto results = run(study, "simulate");
+  EXPECT_EQ(results.get<SimulationOutcome>().measurements.samples(), 61);
+  near(results.get<SimulationOutcome>().measurements.sample_rate, 200.0);
   near(study.sample_rate(), 200.0);
 }
 
 void seeds() {
   const auto noise = [](const std::string& text) {
-    const auto results = run(
-        study_of(lumped_case({{"simulate", "{duration: 0.5 s, sample_rate: 100 Hz" + text + "}"}})), Step::simulate);
+    const auto results =
+        run(study_of(lumped_case({{"simulate", "{duration: 0.5 s, sample_rate: 100 Hz" + text + "}"}})), "simulate");
     return Eigen::VectorXd(
-        (results.simulation->measurements.values - results.simulation->reference.sensors).row(0).transpose() / 1e-4);
+        (results.get<SimulationOutcome>().measurements.values - results.get<SimulationOutcome>().reference.sensors)
+            .row(0)
+            .transpose() /
+        1e-4);
   };
   for (const std::uint64_t seed : {1, 7}) {
     RandomStream random(seed, "y");
@@ -104,8 +108,8 @@ void starts() {
   const auto first = [](const std::string& text, ObservedQuantity quantity, const std::string& point) {
     const auto study =
         study_of(lumped_case({{"simulate", "{duration: 0.5 s, sample_rate: 100 Hz, initial: {" + text + "}}"}}));
-    const auto results = run(study, Step::simulate);
-    for (const auto& each : results.simulation->points)
+    const auto results = run(study, "simulate");
+    for (const auto& each : results.get<SimulationOutcome>().points)
       if (each.point == point && each.quantity == quantity) return each.mean[0];
     return 0.0;
   };

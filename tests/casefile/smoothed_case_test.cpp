@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "casefile/case_run.hpp"
-#include "kalfem/pipeline/reported_quantities.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+
+#include "kalfem/steps/estimation/outcome.hpp"
 
 // The fixed-interval smoother of a case: what must hold of it whatever the structure.
 
@@ -30,7 +30,7 @@ estimate: {settle: 0.5 s, substeps: 4, smooth: true, unknown: {s.2.mass: {initia
 TEST(SmoothedCase, ConstantsHaveTheirLastEstimateThroughoutTheRecord) {
   const auto results = results_of(storeys);
   ASSERT_TRUE(results.complete()) << results.failure;
-  const auto& outcome = *results.estimation;
+  const auto& outcome = results.get<EstimationOutcome>();
   ASSERT_GT(outcome.result.linearisations, 3);
   ASSERT_TRUE(outcome.smoothed.has_value());
   const auto& [mean, deviation] = outcome.result.unknowns;
@@ -45,10 +45,11 @@ TEST(SmoothedCase, ConstantsHaveTheirLastEstimateThroughoutTheRecord) {
 /// The beginning, which the filter passes with wrong parameters, gains most.
 TEST(SmoothedCase, StatesComeNearerToTheTruth) {
   const auto results = results_of(storeys);
-  ASSERT_TRUE(results.estimation->smoothed.has_value());
-  for (const auto& point : results.estimation->points)
+  ASSERT_TRUE(results.get<EstimationOutcome>().smoothed.has_value());
+  for (const auto& point : results.get<EstimationOutcome>().points)
     if (point.nrmse && point.quantity != ObservedQuantity::acceleration) {
-      const auto* smoothed = find_quantity(results.estimation->smoothed_points, point.point, point.quantity);
+      const auto* smoothed =
+          find_quantity(results.get<EstimationOutcome>().smoothed_points, point.point, point.quantity);
       ASSERT_NE(smoothed, nullptr);
       EXPECT_LT(smoothed->nrmse.value(), point.nrmse.value()) << point.point;
     }

@@ -3,6 +3,10 @@
 
 #include "casefile/probes.hpp"
 
+#include "kalfem/steps/modes/outcome.hpp"
+#include "kalfem/steps/statics/outcome.hpp"
+#include "kalfem/study/study.hpp"
+
 /// Keys of static load cases.
 namespace kalfem::wiring {
 namespace {
@@ -17,7 +21,7 @@ LoadCase load_case(const std::string& text) {
 }
 
 StaticsOutcome solved(const std::string& cases, const std::string& more = "") {
-  return run(with_static(cases, more), Step::statics).statics.value();
+  return run(with_static(cases, more), "static").get<StaticsOutcome>();
 }
 
 const std::string push = "forces: [{at: tip, force: [0, 0, 10 N]}]";
@@ -60,7 +64,8 @@ void pressures() {
   const auto& pressure = study.statics->analysis->cases().at(0).pressures.at(0);
   EXPECT_EQ(pressure.faces.size(), 1u);
   near(pressure.pressure, 2000.0);
-  near(run(study, Step::statics).statics->cases[0].solution.applied.force, vector({0.0, 0.0, -2000.0}), many_roundings);
+  near(run(study, "static").get<StaticsOutcome>().cases[0].solution.applied.force, vector({0.0, 0.0, -2000.0}),
+       many_roundings);
 }
 
 void gravity() {
@@ -87,7 +92,7 @@ void preload_of_rotation() {
                           {"static",
                            "{substructure: b, cases: {spin: {rotation: {axis: [0, 0, 1], "
                            "speed: 100 rad/s}}}}"}}));
-  const auto frequencies = run(study, Step::modes).modes.at(0).frequencies;
+  const auto frequencies = run(study, "modes").get<ModesOutcome>().substructures.at(0).frequencies;
   const double lag = 2.0 * std::numbers::pi * frequencies[0], flap = 2.0 * std::numbers::pi * frequencies[1];
   near(flap * flap - lag * lag, 1e4, 0.15);
 }
@@ -115,9 +120,8 @@ void cases_of_the_deck() {
          {"simulate", ""},
          {"static", "{substructure: b, " + statics + "}"}}));
   };
-  const auto outcome =
-      run(with("deck_cases: true, cases: {own: {forces: [{at: tip, force: [6 N, 0, 0]}]}}"), Step::statics)
-          .statics.value();
+  const auto outcome = run(with("deck_cases: true, cases: {own: {forces: [{at: tip, force: [6 N, 0, 0]}]}}"), "static")
+                           .get<StaticsOutcome>();
   ASSERT_EQ(outcome.cases.size(), 2u);
   EXPECT_EQ(outcome.cases[1].solution.load_case, "load7");
   near(outcome.cases[1].points.at(0).displacement[0], 30.0 / (2.1e11 * 1e-5));
@@ -144,7 +148,7 @@ void preload() {
                                                                  (is_preloaded ? ", preload: pull" : "") + "}}"},
                                            {"static", "{substructure: b, cases: {pull: {forces: [{at: tip, force: [" +
                                                           std::to_string(force) + ", 0, 0]}]}}}"}}));
-    return run(study, Step::modes).modes.at(0).frequencies[0];
+    return run(study, "modes").get<ModesOutcome>().substructures.at(0).frequencies[0];
   };
   const double free = frequency(critical, false);
   near(frequency(0.5 * critical, true) / free, std::sqrt(1.5), 0.03);

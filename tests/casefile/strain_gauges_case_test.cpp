@@ -5,8 +5,9 @@
 
 #include "base/scratch_folder.hpp"
 #include "casefile/case_run.hpp"
-#include "kalfem/pipeline/reported_quantities.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+
+#include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/prediction/outcome.hpp"
 
 // Strain gauges in cases: measured, estimated, predicted; of reduced against full models; records of strains.
 
@@ -62,8 +63,8 @@ sensors:
 };
 
 TEST_F(StrainGauges, OfASuperelementSeeTheStrainOfTheFullModel) {
-  const auto full = results_of(simulated_case("full"), Step::simulate);
-  const auto reduced = results_of(simulated_case("superelement"), Step::simulate);
+  const auto full = results_of(simulated_case("full"), "simulate");
+  const auto reduced = results_of(simulated_case("superelement"), "simulate");
   ASSERT_TRUE(full.complete() && reduced.complete()) << full.failure << reduced.failure;
   for (const char* gauge : {"b.g", "b.h"})
     EXPECT_LT(difference(simulated(reduced, gauge, ObservedQuantity::strain),
@@ -79,12 +80,12 @@ TEST_F(StrainGauges, AreEstimatedWithTheirBandAndPredicted) {
                       "estimate: {settle: 1 s, process_noise: {acceleration: 0.01 m/s^2/sqrt(Hz)}}\n"
                       "predict: {substructure: b}\n"));
   ASSERT_TRUE(results.complete()) << results.failure;
-  const auto* estimated = find_quantity(results.estimation->points, "b.h", ObservedQuantity::strain);
+  const auto* estimated = find_quantity(results.get<EstimationOutcome>().points, "b.h", ObservedQuantity::strain);
   ASSERT_NE(estimated, nullptr);
   EXPECT_LT(estimated->nrmse.value(), 0.03);
   EXPECT_LT(estimated->nrmse_in_band.value(), 0.03);
   EXPECT_GT(estimated->coverage.value(), 0.85);  // correlated in time: some tens of independent values
-  const auto* predicted = find_quantity(results.prediction->points, "b.h", ObservedQuantity::strain);
+  const auto* predicted = find_quantity(results.get<PredictionOutcome>().points, "b.h", ObservedQuantity::strain);
   ASSERT_NE(predicted, nullptr);
   EXPECT_LT(predicted->nrmse_in_band.value(), 0.05);
   EXPECT_EQ(predicted->deviation.size(), 0);

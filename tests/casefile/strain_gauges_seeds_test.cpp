@@ -6,9 +6,11 @@
 
 #include "base/places.hpp"
 #include "kalfem/base/random.hpp"
-#include "kalfem/pipeline/reported_quantities.hpp"
-#include "kalfem/pipeline/run_steps.hpp"
 #include "kalfem/records/record.hpp"
+#include "kalfem/steps/estimation/compute.hpp"
+#include "kalfem/steps/run_study.hpp"
+#include "kalfem/steps/simulation/field_series.hpp"
+#include "kalfem/steps/simulation/outcome.hpp"
 
 // Strain of the vehicle's frame where no gauge is: errors and bands over roads and draws of the noise.
 
@@ -39,10 +41,10 @@ TEST(VehicleStrain, LiesInItsBandOver20Records) {
   std::map<std::string, double> worst, covered;
   for (int road = 1; road <= roads; ++road) {
     const Study study = vehicle_on_road(road);
-    StudyResults results = run_study(study, Step::simulate);
+    StudyResults results = run_study(study, "simulate");
     ASSERT_TRUE(results.complete()) << results.failure;
     for (int draw = 1; draw <= draws; ++draw) {
-      draw_noise(study, static_cast<std::uint64_t>(draws * road + draw), *results.simulation);
+      draw_noise(study, static_cast<std::uint64_t>(draws * road + draw), results.get<SimulationOutcome>());
       auto setup = *study.augmented_model;
       const auto estimation = run_estimation(study, setup, results, {}, {});
       ASSERT_FALSE(estimation.result.failure);

@@ -4,8 +4,10 @@
 #include "casefile/probes.hpp"
 #include "kalfem/identification/augmented_model_setup.hpp"
 #include "kalfem/identification/filter_run.hpp"
-#include "kalfem/pipeline/reported_quantities.hpp"
-#include "kalfem/pipeline/run_updating.hpp"
+#include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/prediction/outcome.hpp"
+#include "kalfem/steps/simulation/outcome.hpp"
+#include "kalfem/steps/updating/compute.hpp"
 
 /// The steps of a study together: what one hands to the next, where nothing but its place and time can go wrong.
 namespace kalfem::wiring {
@@ -45,15 +47,15 @@ void expect_truth(const std::vector<PointQuantity>& points, double limit) {
 constexpr double step_error = 3e-3;
 
 TEST(StudySteps, PredictWhatWasSimulated) {
-  expect_truth(run(study_of(exact_case()), Step::predict).prediction->points, step_error);
+  expect_truth(run(study_of(exact_case()), "predict").get<PredictionOutcome>().points, step_error);
 }
 
 TEST(StudySteps, PredictOverAnAcceleratedBase) {
   const auto results = run(study_of(exact_case({{"excitation",
                                                  "{e: {base_acceleration: {w.w: 1, w.v: 1, s.a: 1, s.b: 1, s.c: 1}, "
                                                  "random: {rms: 2, band: [0.5, 8], fade_in: 0.3}}}"}})),
-                           Step::predict);
-  expect_truth(results.prediction->points, step_error);
+                           "predict");
+  expect_truth(results.get<PredictionOutcome>().points, step_error);
 }
 
 TEST(StudySteps, PredictFromMotion) {
@@ -66,9 +68,9 @@ TEST(StudySteps, PredictFromMotion) {
                        "{unknown: {c.k: {initial: 500, std: 0.01}}, settle: 0, "
                        "initial_state: {" +
                            start + "}}"}})),
-      Step::predict);
-  expect_truth(results.prediction->points, step_error);
-  const auto* b = find_quantity(results.prediction->points, "s.b", displacement);
+      "predict");
+  expect_truth(results.get<PredictionOutcome>().points, step_error);
+  const auto* b = find_quantity(results.get<PredictionOutcome>().points, "s.b", displacement);
   EXPECT_NEAR(b->mean[0], 0.02, 1e-12);  // the prediction starts where the case says
 }
 
@@ -82,10 +84,10 @@ const std::string late_pulses =
 
 class LateRecord : public testing::Test {
 protected:
-  StudyResults whole = run(study_of(exact_case({{"excitation", late_pulses}})), Step::simulate);
+  StudyResults whole = run(study_of(exact_case({{"excitation", late_pulses}})), "simulate");
 
   Study late(const Sections& more = {}) {
-    const auto& clean = whole.simulation->reference.sensors;
+    const auto& clean = whole.get<SimulationOutcome>().reference.sensors;
     const auto column = [&](Index j) { return std::vector<double>(clean.row(j).begin(), clean.row(j).end()); };
     write_file("late.csv", csv_of(200.0, {{"yw", column(0)}, {"yb", column(1)}}));
     const std::string at_rest =
@@ -100,7 +102,7 @@ protected:
 
   /// Of the whole simulation, from 0.3 s on.
   VectorXd truth(const std::string& point, ObservedQuantity quantity) {
-    return find_quantity(whole.simulation->points, point, quantity)->mean.segment(60, 201);
+    return find_quantity(whole.get<SimulationOutcome>().points, point, quantity)->mean.segment(60, 201);
   }
 };
 
@@ -112,16 +114,16 @@ TEST_F(LateRecord, IsDrivenByWhatActedThen) {
   const auto signals = study.structure->signals[1]->sample(0.3, 0.005 / 4, 801);
   EXPECT_LT((filter.input.inputs.row(1).transpose() - signals.col(0).matrix()).norm(),
             1e-14 * signals.col(0).matrix().norm());
-  const auto results = run(study, Step::estimate);
+  const auto results = run(study, "estimate");
   for (const std::string point : {"w.v", "s.a", "s.c"}) {
-    const auto* found = find_quantity(results.estimation->points, point, displacement);
+    const auto* found = find_quantity(results.get<EstimationOutcome>().points, point, displacement);
     EXPECT_LT(nrmse(found->mean, truth(point, displacement)), 4e-4) << point;  // displacements: found 1e-4
   }
 }
 
 TEST_F(LateRecord, PredictsWithTheForcesOfThen) {
-  const auto results = run(late(), Step::predict);
-  for (const auto& point : results.prediction->points)
+  const auto results = run(late(), "predict");
+  for (const auto& point : results.get<PredictionOutcome>().points)
     EXPECT_LT(nrmse(point.mean, truth(point.point, point.quantity)), step_error) << point.point;
 }
 
@@ -167,7 +169,7 @@ TEST(StudySteps, ADrivenHistoryIsNoiseAtTheTruth) {
            {"estimate",
             "{unknown: {c.k: {initial: 500, std: 0.01}}, settle: " + settle + ", initial_state: {" + start + "}}"},
            {"update", "{parameters: {s.k.stiffness: {}}, compare: {r: {time_history: s, sensors: yb}}}"}}));
-      const auto results = run(study, Step::simulate);
+      const auto results = run(study, "simulate");
       const auto residuals = all_comparisons(study, results);
       const auto values = residuals.at(0).continuation_steps[0]->evaluate(vector({800.0}), false)->values;
       EXPECT_NEAR(rms(values), 1.0, 0.1) << "settle " << settle << chain;
@@ -197,15 +199,15 @@ TEST(StudySteps, SensorsOfTheAugmentedModelHaveTheirChains) {
                                                "{x: {displacement: s.a, noise: 0.1 mm}, y: {displacement: s.b, noise: "
                                                "0.1 mm, chain: [{butterworth: {order: 2, "
                                                "low_pass: 5 Hz}}, {gain: 3}]}}"}}));
-  const auto results = run(study, Step::estimate);
-  EXPECT_EQ(results.estimation->augmented_model->form().size(), 4 + 2);
+  const auto results = run(study, "estimate");
+  EXPECT_EQ(results.get<EstimationOutcome>().augmented_model->form().size(), 4 + 2);
   const auto plain =
       run(study_of(estimated_case({{"sensors",
                                     "{x: {displacement: s.a, noise: 0.1 mm}, y: {displacement: s.b, noise: "
                                     "0.1 mm}}"}})),
-          Step::simulate);
+          "simulate");
   const VectorXd before = plain.simulation->reference.sensors.row(1),
-                 behind = results.simulation->reference.sensors.row(1);
+                 behind = results.get<SimulationOutcome>().reference.sensors.row(1);
   // found 1e-3: straight lines between samples of a hundredth of a second
   EXPECT_LT(nrmse(behind, study.sensors[1].chain.filter(before, 100.0)), 3e-3);
   EXPECT_GT(nrmse(behind, before), 0.5);
@@ -220,9 +222,9 @@ TEST(StudySteps, ConnectorForcesPassTheChainsOfTheAugmentedModel) {
                        "{yw: {acceleration: w.w, noise: 0.05, chain: [{butterworth: {order: 2, low_pass: 40 "
                        "Hz}}]}, fc: {force: c, noise: 0.05 N, chain: [{bessel: {order: 2, low_pass: 30 Hz}}]}}"},
                       {"connectors", "{c: {from: w.w, to: s.a, law: cubic, parameters: {k: 500, k3: 1e6, c: 3}}}"}})),
-      Step::estimate);
+      "estimate");
   // 401 samples: two standard errors
-  EXPECT_NEAR(results.estimation->consistency.mean_nis, 2.0, 0.2);
+  EXPECT_NEAR(results.get<EstimationOutcome>().consistency.mean_nis, 2.0, 0.2);
 }
 
 // --- the updating and what comes after it
@@ -247,11 +249,11 @@ TEST(StudySteps, WhatFollowsAnUpdatingIsOfTheUpdatedStructure) {
       study_of(exact_case({{"update", updated_springs},
                            {"modifications", "{m: {substructure: s, set: {k.damping: 2}, above: 0.5 Hz, modes: 2}}"}}));
   // The invented frequencies contradict the record, so that the estimates are refused in the end.
-  const auto results = run_study(study, Step::update);
+  const auto results = run_study(study, "update");
   EXPECT_FALSE(results.usable());
-  const VectorXd values = results.updating->values;
+  const VectorXd values = results.get<UpdatingOutcome>().values;
   EXPECT_GT((values - vector({640, 810})).norm(), 10.0);
-  const auto& system = results.estimation->augmented_model->system();
+  const auto& system = results.get<EstimationOutcome>().augmented_model->system();
   near(system.stiffness.coeff(2, 3), -values[0], many_roundings);
   near(system.stiffness.coeff(3, 4), -values[1], many_roundings);
   // Two free frequencies and two springs: the updated structure has the measured ones, and so has a changed dashpot.

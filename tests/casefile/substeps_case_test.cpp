@@ -3,10 +3,11 @@
 
 #include "casefile/case_run.hpp"
 #include "casefile/small_cases.hpp"
-#include "kalfem/pipeline/run_study.hpp"
-#include "kalfem/pipeline/run_verdict.hpp"
+#include "kalfem/report/console_report.hpp"
 #include "kalfem/report/result_set.hpp"
-#include "kalfem/report/tables.hpp"
+#include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/judge.hpp"
+#include "kalfem/steps/run_verdict.hpp"
 
 // How finely a case's filter divides a sample interval, what it assumes of the first sample, and what is said of both.
 
@@ -20,7 +21,7 @@ const std::string oscillator = cubic_oscillator + R"(estimate:
 
 TEST(SubstepsOfACase, AreChosenAndReported) {
   const Study study = study_of(oscillator);
-  const auto results = run_study(study, Step::estimate);
+  const auto results = run_study(study, "estimate");
   ASSERT_TRUE(results.complete()) << results.failure;
   const auto summary = summarise(study, results)["estimation"];
   EXPECT_EQ(summary["substeps"], 16);
@@ -34,7 +35,7 @@ TEST(SubstepsOfACase, AreChosenAndReported) {
 
 TEST(SubstepsOfACase, AreTakenAsStated) {
   const Study study = study_of(changed(oscillator, "settle: 0.2 s", "settle: 0.2 s\n  substeps: 2"));
-  const auto results = run_study(study, Step::estimate);
+  const auto results = run_study(study, "estimate");
   const auto summary = summarise(study, results)["estimation"];
   EXPECT_EQ(summary["substeps"], 2);
   EXPECT_EQ(summary["substeps_chosen"], false);
@@ -48,9 +49,9 @@ TEST(SubstepsOfACase, AreTakenAsStated) {
 
 TEST(SubstepsOfACase, TooFewAreAReasonForDoubt) {
   const Study study = study_of(oscillator);
-  auto results = run_study(study, Step::estimate);
+  auto results = run_study(study, "estimate");
   const auto state_with = [&](double bias) {
-    results.estimation->substeps = {
+    results.get<EstimationOutcome>().substeps = {
         .substeps = 128, .chosen = true, .bias = Eigen::VectorXd::Constant(1, bias), .limited = bias > 0.2};
     const Verdict verdict = verdict_of(study, results);
     for (const auto& reason : verdict.reasons())
@@ -70,21 +71,20 @@ TEST(SubstepsOfACase, TooFewAreAReasonForDoubt) {
 TEST(StartOfACase, IsUnknownWhereTheSimulatedStructureIsLetGo) {
   const std::string released = changed(oscillator, "seed: 3}", "seed: 3, initial: {s.m: {displacement: 20 mm}}}");
   const Study study = study_of(released);
-  const auto results = run_study(study, Step::estimate);
+  const auto results = run_study(study, "estimate");
   ASSERT_TRUE(results.usable()) << results.why_unusable();
   const auto start = summarise(study, results)["estimation"]["start"];
   EXPECT_EQ(start["moving"], true);
   EXPECT_GT(start["displacement_std"].get<double>(), 2e-3);
   EXPECT_LT(start["displacement_std"].get<double>(), 0.2);
   EXPECT_NE(console_report(study, results).find("The structure moves at the first sample"), std::string::npos);
-  const auto& unknowns = results.estimation->result.unknowns;
+  const auto& unknowns = results.get<EstimationOutcome>().result.unknowns;
   EXPECT_LT(std::abs(unknowns.mean(0, 400) - 2e7), 3.0 * unknowns.deviation(0, 400));
-  EXPECT_NEAR(results.estimation->consistency.mean_nis, 1.0, 0.25);
+  EXPECT_NEAR(results.get<EstimationOutcome>().consistency.mean_nis, 1.0, 0.25);
   // what the case states holds
-  const auto stated =
-      results_of(changed(released, "settle: 0.2 s", "settle: 0.2 s\n  initial_state: {s.m: {displacement: 20 mm}}"),
-                 Step::estimate);
-  EXPECT_FALSE(stated.estimation->start.moving);
+  const auto stated = results_of(
+      changed(released, "settle: 0.2 s", "settle: 0.2 s\n  initial_state: {s.m: {displacement: 20 mm}}"), "estimate");
+  EXPECT_FALSE(stated.get<EstimationOutcome>().start.moving);
 }
 
 }  // namespace

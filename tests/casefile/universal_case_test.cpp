@@ -6,7 +6,7 @@
 #include "casefile/record_cases.hpp"
 #include "kalfem/formats/universal/universal.hpp"
 #include "kalfem/identification/parameterised_structure.hpp"
-#include "kalfem/pipeline/run_updating.hpp"
+#include "kalfem/study/study.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 
 // Cases whose measured data stand in universal files.

@@ -2,8 +2,8 @@
 #include <iostream>
 
 #include "casefile/case_run.hpp"
-#include "kalfem/pipeline/reported_quantities.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+
+#include "kalfem/steps/estimation/outcome.hpp"
 
 // The paper's chain on a ground whose motion nobody measured: errors and bands over 40 roads and 40 draws of the noise.
 
@@ -54,7 +54,7 @@ TEST(UnknownGround, StatesNextToSensorsAreKnownWithHonestBandsOver40Seeds) {
   for (int seed = 1; seed <= seeds; ++seed) {
     const auto results = results_of(chain(seed));
     ASSERT_TRUE(results.complete()) << seed << " " << results.failure;
-    const auto& outcome = *results.estimation;
+    const auto& outcome = results.get<EstimationOutcome>();
     int count = 0;
     double of_run = 0.0, smoothed_of_run = 0.0;
     for (const char* name : {"body.1", "body.2", "body.4", "body.6", "body.10"})

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "casefile/case_run.hpp"
-#include "kalfem/pipeline/reported_quantities.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+
+#include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/study_results.hpp"
 
 // Excitations that the filter does not know: their estimate against the signal that drives the simulation, and cases
 // where nothing can be learned of them.
@@ -28,25 +29,25 @@ estimate: {settle: 0.5 s}
 double nmse(double nrmse) { return 100.0 * nrmse * nrmse; }
 
 double error_of(const StudyResults& results, const std::string& point, ObservedQuantity quantity) {
-  return find_quantity(results.estimation->points, point, quantity)->nrmse.value();
+  return find_quantity(results.get<EstimationOutcome>().points, point, quantity)->nrmse.value();
 }
 
 TEST(UnknownInputs, ForceOfADuffingOscillatorFollowsFromItsMotion) {
   const auto results = results_of(duffing);
   ASSERT_TRUE(results.complete()) << results.failure;
-  const auto& force = results.estimation->inputs.at(0);
+  const auto& force = results.get<EstimationOutcome>().inputs.at(0);
   EXPECT_EQ(force.input.unit, "N");
   EXPECT_LT(nmse(force.nrmse.value()), 0.5);
   EXPECT_LT(nmse(error_of(results, "body.x", ObservedQuantity::displacement)), 0.5);
   EXPECT_LT(nmse(error_of(results, "body.x", ObservedQuantity::velocity)), 0.5);
   EXPECT_GT(force.coverage.value(), 0.85);
-  EXPECT_LT(results.estimation->seconds, 1.0);
+  EXPECT_LT(results.get<EstimationOutcome>().seconds, 1.0);
 }
 
 TEST(UnknownInputs, EveryFilterFindsTheSameForce) {
   const std::string shorter = changed(changed(duffing, "3 s", "1 s"), "0.5 s}", "0.5 s, filter: FILTER}");
   const auto force = [&](const std::string& filter) {
-    return results_of(changed(shorter, "FILTER", filter)).estimation->inputs.at(0).mean;
+    return results_of(changed(shorter, "FILTER", filter)).get<EstimationOutcome>().inputs.at(0).mean;
   };
   const Eigen::VectorXd expected = force("partially_linear_ukf");
   for (const char* filter : {"partially_linear_ukf_square_root", "ukf", "ukf_square_root", "ekf"})
@@ -78,7 +79,7 @@ TEST(UnknownInputs, GroundMotionsOfEveryKindAreEstimated) {
     const std::string excitation = changed(changed(std::string(target) + signal + time + "}", "RMS", rms), "RMS", rms);
     const auto results = results_of(changed(frame, "@", excitation));
     ASSERT_TRUE(results.complete()) << results.failure;
-    const auto& ground = results.estimation->inputs.at(0);
+    const auto& ground = results.get<EstimationOutcome>().inputs.at(0);
     EXPECT_LT(ground.nrmse.value(), most) << target;
     EXPECT_GT(ground.coverage.value(), 0.8) << target;
     EXPECT_LT(error_of(results, "s.2", ObservedQuantity::acceleration), 0.05) << target;
@@ -93,11 +94,11 @@ TEST(UnknownInputs, ParametersAreEstimatedBeside) {
   const auto results = results_of(changed(changed(frame, "@", force), "settle: 1 s",
                                           "settle: 1 s, unknown: {s.high.stiffness: {initial: 6 kN/m, std: 20 %}}"));
   ASSERT_TRUE(results.complete()) << results.failure;
-  const auto& [mean, deviation] = results.estimation->result.unknowns;
+  const auto& [mean, deviation] = results.get<EstimationOutcome>().result.unknowns;
   const double stiffness = mean(0, mean.cols() - 1), band = 3.0 * deviation(0, mean.cols() - 1);
   EXPECT_NEAR(stiffness, 5e3, std::max(50.0, band));
   EXPECT_LT(band, 150.0);
-  EXPECT_LT(results.estimation->inputs.at(0).nrmse.value(), 0.2);
+  EXPECT_LT(results.get<EstimationOutcome>().inputs.at(0).nrmse.value(), 0.2);
 }
 
 /// Each with what it must say.
@@ -156,7 +157,7 @@ TEST(UnknownInputs, OneThatDrownsInNoiseIsNamed) {
   const auto reasons = results.verdict.reasons();
   EXPECT_TRUE(std::ranges::any_of(
       reasons, [](const auto& reason) { return reason.code == "input_not_identified" && reason.subject == "push"; }));
-  EXPECT_FALSE(results.estimation->hardly_known.empty());
+  EXPECT_FALSE(results.get<EstimationOutcome>().hardly_known.empty());
 }
 
 }  // namespace

@@ -5,7 +5,8 @@
 #include "casefile/probes.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "kalfem/identification/parameterised_structure.hpp"
-#include "kalfem/pipeline/run_updating.hpp"
+#include "kalfem/steps/simulation/outcome.hpp"
+#include "kalfem/steps/updating/compute.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 #include "kalfem/updating/global_search.hpp"
 
@@ -332,8 +333,8 @@ void frequency_responses_of_records() {
                             "fade_in: 0}}}"},
                            {"sensors", "{a: {acceleration: s.a, noise: 0}, b: {acceleration: s.b, noise: 0}}"},
                            {"simulate", "{duration: 80 s, sample_rate: 100 Hz, tolerance: 1e-2}"}}),
-          Step::simulate);
-  const MatrixXd outputs = simulated.simulation->reference.sensors;
+          "simulate");
+  const MatrixXd outputs = simulated.get<SimulationOutcome>().reference.sensors;
   const auto column = [&](Index j) { return std::vector<double>(outputs.row(j).begin(), outputs.row(j).end()); };
   const auto study = with_update("", {{"update", ""},
                                       {"excitation",
@@ -405,7 +406,7 @@ const Sections of_record{
 void driven_histories() {
   const auto comparison = [](const std::string& text) {
     const auto study = with_comparison("time_history: s" + text, of_record);
-    const auto results = run(study, Step::simulate);
+    const auto results = run(study, "simulate");
     const auto residuals = residuals_of(study, results);
     return residuals.at(0).continuation_steps[0]->evaluate(VectorXd::Constant(1, 750.0), true).value();
   };
@@ -432,7 +433,7 @@ void driven_histories_have_the_filter_of_the_case() {
         "initial_state: {all: {displacement_std: 5 mm, velocity_std: 0.05}}" +
         more + "}";
     const auto study = with_comparison("time_history: s, sensors: yb", sections);
-    return residual_at(study, 750.0, run(study, Step::simulate));
+    return residual_at(study, 750.0, run(study, "simulate"));
   };
   const VectorXd usual = residual(", settle: 0.5 s");
   EXPECT_EQ(usual.size(), 251);
@@ -444,14 +445,14 @@ void driven_histories_have_the_filter_of_the_case() {
 
 void simulated_histories() {
   const auto study = [](const std::string& text) { return with_comparison("simulation: " + text, of_record); };
-  const auto results = run(study("all"), Step::simulate);
+  const auto results = run(study("all"), "simulate");
   EXPECT_EQ(residual_at(study("all"), 800.0, results).size(), 3 * 251);
   EXPECT_EQ(residual_at(study("[ya, yw]"), 800.0, results).size(), 2 * 251);
   // At the true parameters what is left is the noise, in its deviations: 502 samples tell its rms to 3 %.
   // one seed: found .06, two standard errors
   EXPECT_NEAR(rms(residual_at(study("[ya, yw]"), 800.0, results)), 1.0, 0.1);
   EXPECT_GT(rms(residual_at(study("yb"), 700.0, results)), 2.0);
-  const auto& simulation = *results.simulation;
+  const auto& simulation = results.get<SimulationOutcome>();
   const VectorXd noise = (simulation.reference.sensors - simulation.measurements.values).row(1).tail(251).transpose() /
                          simulation.measurements.channels[1].noise;
   near(residual_at(study("yb"), 800.0, results), noise, 0.1);  // a coarser step than the reference's
@@ -463,7 +464,7 @@ void weights() {
   const auto run_with = [](const std::string& first, const std::string& second) {
     return *run(with_update("parameters: {s.k.stiffness: {}}, compare: {one: {modes: s, frequencies: [1.5]" + first +
                             "}, two: {static: s, loads: {b: 8 N}, displacements: {b: 20 mm}" + second + "}}"),
-                Step::update)
+                "update")
                 .updating;
   };
   const auto plain = run_with("", ""), weighted = run_with(", weight: 4", ", weight: 0.25");
@@ -481,7 +482,9 @@ const std::string both =
     "parameters: {s.k.stiffness: {initial: 500, bounds: [200, 2000]}, s.m.stiffness: {initial: 900, bounds: "
     "[200, 2000]}}, compare: {f: {modes: s, frequencies: [1.55, 4.2]}}";
 
-UpdatingOutcome search(const std::string& text) { return *run(with_update(both + text), Step::update).updating; }
+UpdatingOutcome search(const std::string& text) {
+  return run(with_update(both + text), "update").get<UpdatingOutcome>();
+}
 
 ResidualSum sum_of(const Study& study) { return ResidualSum({{residuals_of(study)[0].continuation_steps[0], 1.0}}); }
 
@@ -510,7 +513,7 @@ void numbers_of_stages() {
 void tolerances() {
   const auto evaluations = [](const std::string& tolerance) {
     const std::string text = "parameters: {s.k.stiffness: {initial: 850}}, " + frequencies + ", tolerance: ";
-    return run(with_update(text + tolerance), Step::update).updating->evaluations;
+    return run(with_update(text + tolerance), "update").get<UpdatingOutcome>().evaluations;
   };
   EXPECT_LT(evaluations("0.1"), evaluations("1e-8"));
   EXPECT_EQ(search("").evaluations, search(", tolerance: 1e-5").evaluations);
@@ -561,8 +564,7 @@ void sensitivity_checks() {
 void modifications() {
   const VectorXd changed = modes_at(1600.0).frequencies;
   const auto frequencies_of = [](const std::string& text) {
-    return run(with_update("", {{"update", ""}, {"modifications", "{m: {substructure: s, " + text + "}}"}}),
-               Step::predict)
+    return run(with_update("", {{"update", ""}, {"modifications", "{m: {substructure: s, " + text + "}}"}}), "predict")
         .modifications.at(0);
   };
   EXPECT_EQ(frequencies_of("set: {k.stiffness: 1600}").substructure, "s");

@@ -5,9 +5,10 @@
 
 #include "casefile/record_cases.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/report/console_report.hpp"
 #include "kalfem/report/result_set.hpp"
-#include "kalfem/report/tables.hpp"
+#include "kalfem/steps/run_study.hpp"
+#include "kalfem/steps/validation/outcome.hpp"
 
 /// `validate`: the estimates on data that they were not found from.
 namespace kalfem::record_cases {
@@ -36,9 +37,9 @@ protected:
     std::ofstream(folder_ / name) << table(columns);
   }
   StudyResults run(const Changes& changes) {
-    StudyResults results = run_study(load(changes), Step::update);
+    StudyResults results = run_study(load(changes), "update");
     EXPECT_TRUE(results.complete()) << results.failure;
-    EXPECT_TRUE(results.validation.has_value());
+    EXPECT_TRUE(results.has<ValidationOutcome>());
     return results;
   }
   static std::vector<std::string> codes(const StudyResults& results) {
@@ -50,7 +51,7 @@ protected:
 
 TEST_F(Validation, PredictsAnotherPartOfTheSameRecord) {
   const auto results = run(validated("start: 2.01 s"));
-  const auto &held_back = results.validation->held_back, &own = results.validation->own;
+  const auto &held_back = results.get<ValidationOutcome>().held_back, &own = results.get<ValidationOutcome>().own;
   EXPECT_EQ(held_back.failure, "");
   EXPECT_EQ(held_back.measured.samples(), 200);
   EXPECT_EQ(held_back.first, 20);  // a tenth of the part
@@ -63,16 +64,16 @@ TEST_F(Validation, PredictsAnotherPartOfTheSameRecord) {
 TEST_F(Validation, EstimatesTheInitialStateUnlessItIsAtRest) {
   const auto estimated = run(validated("start: 2.05 s, lead_in: 0.3 s"));
   const auto resting = run(validated("start: 2.05 s, initial: rest"));
-  EXPECT_EQ(estimated.validation->held_back.first, 30);
-  EXPECT_EQ(resting.validation->held_back.first, 0);
-  EXPECT_LT(estimated.validation->held_back.nrmse[0], 0.01);
-  EXPECT_GT(resting.validation->held_back.nrmse[0], 0.1);
+  EXPECT_EQ(estimated.get<ValidationOutcome>().held_back.first, 30);
+  EXPECT_EQ(resting.get<ValidationOutcome>().held_back.first, 0);
+  EXPECT_LT(estimated.get<ValidationOutcome>().held_back.nrmse[0], 0.01);
+  EXPECT_GT(resting.get<ValidationOutcome>().held_back.nrmse[0], 0.1);
 }
 
 TEST_F(Validation, PredictsAnotherRecordUnderItsOwnInput) {
   write_file("other.csv", columns_times(3.0, 3.0));
   const auto results = run(validated("record: {file: other.csv}, start: 1 s, end: 3 s"));
-  const auto& held_back = results.validation->held_back;
+  const auto& held_back = results.get<ValidationOutcome>().held_back;
   EXPECT_EQ(held_back.measured.samples(), 201);
   EXPECT_NEAR(held_back.measured.values.row(0).maxCoeff(), 3.0 * amplitude, 1e-3);
   EXPECT_LT(held_back.nrmse[0], 0.01);
@@ -82,7 +83,7 @@ TEST_F(Validation, TakesAnInputFromTheFileThatTheCaseNames) {
   write_file("motion.csv", {{"x", written(displacement, 2.0)}, {"a", written(acceleration, 2.0)}});
   write_file("blows.csv", {{"F", written(force, 2.0)}});
   const auto results = run(validated("record: {file: motion.csv}, excitation: {F: blows.csv}"));
-  EXPECT_LT(results.validation->held_back.nrmse[0], 0.01);
+  EXPECT_LT(results.get<ValidationOutcome>().held_back.nrmse[0], 0.01);
 }
 
 /// The stiffness is wrong and not estimated: the structure would move against the force.
@@ -91,18 +92,18 @@ TEST_F(Validation, AWrongParameterIsAReason) {
       run(validated("start: 2.01 s",
                     {{"stiffness: 800 N/m", "stiffness: 100 N/m"},
                      {"s.k.stiffness: {initial: 760 N/m, std: 20 %}", "s.k.damping: {initial: 2 N s/m, std: 20 %}"}}));
-  EXPECT_GT(results.validation->held_back.nrmse[0], 0.9);
+  EXPECT_GT(results.get<ValidationOutcome>().held_back.nrmse[0], 0.9);
   const auto found = codes(results);
   EXPECT_TRUE(std::ranges::any_of(found, [](const auto& code) { return code.starts_with("validation_error"); }))
-      << results.validation->held_back.nrmse[0];
+      << results.get<ValidationOutcome>().held_back.nrmse[0];
 }
 
 /// The other record is of a structure that moves three times as far under the same force.
 TEST_F(Validation, AnErrorMuchLargerThanOnTheOwnPartIsAReason) {
   write_file("other.csv", columns_times(3.0, 1.0));
   const auto results = run(validated("record: {file: other.csv}"));
-  EXPECT_GT(results.validation->held_back.nrmse[0], 0.6);  // two thirds, and a vibration from the start
-  EXPECT_LT(results.validation->held_back.nrmse[0], 0.9);
+  EXPECT_GT(results.get<ValidationOutcome>().held_back.nrmse[0], 0.6);  // two thirds, and a vibration from the start
+  EXPECT_LT(results.get<ValidationOutcome>().held_back.nrmse[0], 0.9);
   const auto found = codes(results);
   EXPECT_NE(std::ranges::find(found, "validation_worse x"), found.end());
   EXPECT_EQ(results.verdict.state(), VerdictState::suspicious);
@@ -111,11 +112,12 @@ TEST_F(Validation, AnErrorMuchLargerThanOnTheOwnPartIsAReason) {
 TEST_F(Validation, StandsInEveryResult) {
   const Changes changes = validated("start: 2.01 s");
   const Study study = load(changes);
-  const auto results = run_study(study, Step::estimate);
+  const auto results = run_study(study, "estimate");
   const auto summary = summarise(study, results);
-  const auto& held_back = results.validation->held_back;
+  const auto& held_back = results.get<ValidationOutcome>().held_back;
   EXPECT_EQ(summary["validation"]["x"]["nrmse"].get<double>(), held_back.nrmse[0]);
-  EXPECT_EQ(summary["validation"]["a"]["nrmse_estimated_part"].get<double>(), results.validation->own.nrmse[1]);
+  EXPECT_EQ(summary["validation"]["a"]["nrmse_estimated_part"].get<double>(),
+            results.get<ValidationOutcome>().own.nrmse[1]);
   // The model is right: one sample ahead, and open loop, all that is left is noise.
   ASSERT_EQ(held_back.one_step.size(), held_back.nrmse.size());
   EXPECT_EQ(summary["validation"]["a"]["one_step_nrmse"].get<double>(), held_back.one_step[1]);
@@ -141,7 +143,7 @@ TEST_F(Validation, IsPossibleOfAnUpdatingAlone) {
   const auto results = run(validated("start: 2.01 s", {{estimate,
                                                         "update: {parameters: {s.k.stiffness: {initial: 780 N/m}}, "
                                                         "compare: {f: {modes: s, frequencies: [3.18309886 Hz]}}}\n"}}));
-  EXPECT_LT(results.validation->held_back.nrmse[0], 0.02);
+  EXPECT_LT(results.get<ValidationOutcome>().held_back.nrmse[0], 0.02);
 }
 
 TEST_F(Validation, RefusesPartsThatCannotBe) {

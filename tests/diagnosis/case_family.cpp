@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "kalfem/formats/tables/csv.hpp"
-#include "kalfem/pipeline/run_study.hpp"
-#include "kalfem/study/study.hpp"
+#include "kalfem/steps/run_study.hpp"
+#include "kalfem/steps/simulation/outcome.hpp"
 
 namespace kalfem::test {
 
@@ -57,9 +57,9 @@ Measurement measure(const CaseFamily& family, const Changes& changes, int seed, 
   text += fmt::format("simulate: {{duration: {} s, sample_rate: {} Hz, seed: {}, {}}}\n", family.duration,
                       family.sample_rate, seed, family.simulate);
   const Study study = load_study(write(folder / "truth.yaml", text).string());
-  StudyResults results = run_study(study, Step::simulate);
+  StudyResults results = run_study(study, "simulate");
   if (!results.complete()) ADD_FAILURE() << results.failure;
-  Measurement measurement{results.simulation->measurements, {}};
+  Measurement measurement{results.get<SimulationOutcome>().measurements, {}};
   const double rate = excitation_rate * family.sample_rate;
   const Index count = excitation_rate * (measurement.sensors.samples() - 1) + 1;
   std::vector<std::pair<std::string, Eigen::VectorXd>> signals;

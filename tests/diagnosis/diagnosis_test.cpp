@@ -4,7 +4,8 @@
 #include "base/scratch_folder.hpp"
 #include "diagnosis/case_family.hpp"
 #include "kalfem/diagnosis/left_out_predictions.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/run_study.hpp"
 
 namespace kalfem::test {
 namespace {
@@ -26,7 +27,7 @@ protected:
   /// The run of a case of this measurement.
   static StudyResults run(const Measurement& measurement, const Changes& changes = {}) {
     const ScratchFolder folder("diagnosis");
-    return run_study(load_study(write_case(family, measurement, changes, folder).string()), Step::estimate);
+    return run_study(load_study(write_case(family, measurement, changes, folder).string()), "estimate");
   }
 
   /// "code subject" of the first reason.
@@ -42,7 +43,7 @@ protected:
 TEST_F(Diagnoses, AreNotMadeWhereNothingIsWrong) {
   const auto results = run(clean);
   EXPECT_EQ(results.verdict.state(), VerdictState::consistent) << first_reason(results);
-  EXPECT_FALSE(results.estimation->diagnosis);
+  EXPECT_FALSE(results.get<EstimationOutcome>().diagnosis);
 }
 
 TEST_F(Diagnoses, NameASensorOfTheWrongSign) {
@@ -52,7 +53,7 @@ TEST_F(Diagnoses, NameASensorOfTheWrongSign) {
   EXPECT_EQ(first_reason(results), "sensor_sign a7");
   EXPECT_EQ(results.verdict.state(), VerdictState::unusable);
   // Without it the filter is consistent, and others leave far more unexplained: one unit of log-likelihood a sample.
-  const auto& tested = results.estimation->diagnosis->tested;
+  const auto& tested = results.get<EstimationOutcome>().diagnosis->tested;
   EXPECT_NEAR(tested[0].mean_nis, 4.0, 0.4);
   EXPECT_GT(tested[0].gain, tested[1].gain + 2000.0);
 }
@@ -65,7 +66,7 @@ TEST_F(Diagnoses, NameAUnitAndFindAGain) {
   too_large.sensors.values.row(0) *= 1.3;
   const auto results = run(too_large);
   EXPECT_EQ(first_reason(results), "sensor_gain a3");
-  EXPECT_NEAR(results.estimation->diagnosis->tested[0].value, 1.3, 0.03);
+  EXPECT_NEAR(results.get<EstimationOutcome>().diagnosis->tested[0].value, 1.3, 0.03);
 }
 
 TEST_F(Diagnoses, FindADelay) {
@@ -74,7 +75,7 @@ TEST_F(Diagnoses, FindADelay) {
   late.sensors.values.row(3).tail(given.size() - 12) = given.head(given.size() - 12);
   const auto results = run(late);
   EXPECT_EQ(first_reason(results), "sensor_delay a11");
-  EXPECT_EQ(results.estimation->diagnosis->tested[0].value, 12.0);
+  EXPECT_EQ(results.get<EstimationOutcome>().diagnosis->tested[0].value, 12.0);
 }
 
 TEST_F(Diagnoses, NameSensorsThatAreExchanged) {
@@ -92,7 +93,7 @@ TEST_F(Diagnoses, NameTheExcitation) {
 TEST_F(Diagnoses, FindAFixedParameter) {
   const auto results = run(clean, {{"stiffness: 20 kN/m", "stiffness: 26 kN/m"}});
   EXPECT_EQ(first_reason(results), "fixed_parameter wheel.k_w.stiffness");
-  EXPECT_NEAR(results.estimation->diagnosis->tested[0].value, 20.0 / 26.0, 0.03);
+  EXPECT_NEAR(results.get<EstimationOutcome>().diagnosis->tested[0].value, 20.0 / 26.0, 0.03);
 }
 
 TEST(Likeness, FindsLagSignAndGain) {

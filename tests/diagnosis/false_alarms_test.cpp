@@ -8,7 +8,7 @@
 
 #include "base/places.hpp"
 #include "base/scratch_folder.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/steps/run_study.hpp"
 
 namespace kalfem::test {
 namespace {
@@ -32,7 +32,7 @@ double consistent_part(const std::string& text, const std::string& seed, int see
     std::string changed = text;
     replace(changed, seed, fmt::format("  seed: {}", i));
     std::ofstream(folder / "case.yaml") << changed;
-    const auto results = run_study(load_study((folder / "case.yaml").string()), Step::estimate);
+    const auto results = run_study(load_study((folder / "case.yaml").string()), "estimate");
     if (results.verdict.state() == VerdictState::consistent)
       ++consistent;
     else

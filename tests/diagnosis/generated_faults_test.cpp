@@ -11,7 +11,8 @@
 
 #include "base/scratch_folder.hpp"
 #include "diagnosis/case_family.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/run_study.hpp"
 
 namespace kalfem::test {
 namespace {
@@ -119,7 +120,7 @@ struct Tally {
 
 /// Estimated unknowns that have a true value: largest error in stated deviations.
 double largest_error(const Study& truth, const StudyResults& results) {
-  const auto& outcome = *results.estimation;
+  const auto& outcome = results.get<EstimationOutcome>();
   const ParameterSet all(*truth.structure);
   double largest = 0.0;
   const auto& unknowns = outcome.augmented_model->options().unknowns;
@@ -143,10 +144,12 @@ bool wanted(const std::string& name) {
 
 /// What was not looked for, and the explanations that were tested, best first, where the cause is not the first reason.
 void print_tested(const StudyResults& results) {
-  if (!results.estimation) return;
-  for (const auto& each : results.estimation->left_out) std::cout << "      left out: " << each << "\n";
-  if (!results.estimation->diagnosis) return;
-  const auto& tested = results.estimation->diagnosis->tested;
+  if (!results.has<EstimationOutcome>()) return;
+  const auto& estimation = results.get<EstimationOutcome>();
+  for (const auto& each : estimation.left_out) std::cout << "      left out: " << each << "
+";
+  if (!estimation.diagnosis) return;
+  const auto& tested = estimation.diagnosis->tested;
   for (std::size_t i = 0; i < std::min<std::size_t>(tested.size(), 6); ++i)
     std::cout << fmt::format("      {} {}: {:.4g}, gain {:.5g}, NIS {:.3g}\n", tested[i].code, tested[i].subject,
                              tested[i].value, tested[i].gain, tested[i].mean_nis);
@@ -163,7 +166,7 @@ Tally run(const CaseFamily& family, const std::vector<Fault>& faults) {
     Measurement measurement = fault.on_truth.empty() ? clean : measure(family, fault.on_truth, 1, folder);
     fault.on_record(measurement);
     const Study study = load_study(write_case(family, measurement, fault.on_model, folder).string());
-    const StudyResults results = run_study(study, Step::estimate);
+    const StudyResults results = run_study(study, "estimate");
     const auto reasons = results.verdict.reasons();
     const double error = results.complete() ? largest_error(truth, results) : std::numeric_limits<double>::infinity();
     const bool consistent = results.verdict.state() == VerdictState::consistent;

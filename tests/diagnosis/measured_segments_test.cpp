@@ -12,7 +12,9 @@
 #include "base/absent.hpp"
 #include "base/data_folder.hpp"
 #include "base/scratch_folder.hpp"
-#include "kalfem/pipeline/run_study.hpp"
+#include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/run_study.hpp"
+#include "kalfem/steps/updating/outcome.hpp"
 
 // Segments of one measurement, and measurements of one structure, are estimated one by one. Where the model is not the
 // truth, std is many times smaller than the scatter between their estimates; std_robust should be at least half of it.
@@ -88,10 +90,10 @@ std::vector<Estimate> estimate(std::string text, const Segment& segment, const s
   replace(text, "START", fmt::format("{} s", segment.start));
   replace(text, "END", fmt::format("{} s", segment.end));
   std::ofstream(folder / "case.yaml") << text;
-  const auto results = run_study(load_study((folder / "case.yaml").string()), Step::estimate);
-  EXPECT_TRUE(results.estimation && !results.estimation->result.failure);
-  if (!results.estimation || results.estimation->result.failure) return {};
-  const auto& outcome = *results.estimation;
+  const auto results = run_study(load_study((folder / "case.yaml").string()), "estimate");
+  EXPECT_TRUE(results.has<EstimationOutcome>() && !results.get<EstimationOutcome>().result.failure);
+  if (!results.has<EstimationOutcome>() || results.get<EstimationOutcome>().result.failure) return {};
+  const auto& outcome = results.get<EstimationOutcome>();
   const auto& unknowns = outcome.augmented_model->options().unknowns;
   std::vector<Estimate> found;
   for (std::size_t i = 0; i < unknowns.size(); ++i) {
@@ -191,10 +193,10 @@ std::vector<Estimate> update(std::string text, const std::string& floor, const s
   replace(text, "FILE", file.string());
   std::ofstream(folder / "case.yaml") << text;
   const auto study = load_study((folder / "case.yaml").string());
-  const auto results = run_study(study, Step::update);
-  EXPECT_TRUE(results.updating && results.updating->converged);
-  if (!results.updating) return {};
-  const auto& outcome = *results.updating;
+  const auto results = run_study(study, "update");
+  EXPECT_TRUE(results.has<UpdatingOutcome>() && results.get<UpdatingOutcome>().converged);
+  if (!results.has<UpdatingOutcome>()) return {};
+  const auto& outcome = results.get<UpdatingOutcome>();
   std::vector<Estimate> found;
   for (Index i = 0; i < outcome.values.size(); ++i)
     found.push_back({study.updating->parameters[static_cast<std::size_t>(i)].name, outcome.values[i],

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kalfem/report/data_files.hpp"
+#include "kalfem/study/study.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kalfem/report/sweep.hpp"
+#include "kalfem/report/finished/sweep.hpp"
 
 #include <gtest/gtest.h>
 
 #include "base/scratch_folder.hpp"
 #include "cli/short_case.hpp"
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/pipeline/simulation_checkpoint.hpp"
-#include "kalfem/report/sweep_report.hpp"
+#include "kalfem/report/finished/sweep_report.hpp"
+#include "kalfem/steps/simulation/checkpoint.hpp"
+#include "kalfem/study/study.hpp"
 
 // Runs by their numbers, as somebody who shares them out asks for them.
 

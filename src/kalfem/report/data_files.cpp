@@ -11,6 +11,7 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/formats/mapped_file.hpp"
+#include "kalfem/study/study.hpp"
 
 namespace kalfem {
 

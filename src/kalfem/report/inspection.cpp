@@ -9,7 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "kalfem/base/units.hpp"
-#include "kalfem/report/tables.hpp"
+#include "kalfem/page/json_number.hpp"
+#include "kalfem/page/words.hpp"
 
 namespace kalfem {
 namespace {
@@ -217,7 +218,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 Json known_number(double value) { return value > 0.0 ? number(value) : Json(nullptr); }
 
 Json place_json(const MeasuredPlace& place) {

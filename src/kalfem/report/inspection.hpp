@@ -7,7 +7,7 @@
 
 #include "kalfem/records/channel_statistics.hpp"
 #include "kalfem/records/measured_file.hpp"
-#include "kalfem/report/page.hpp"
+#include "kalfem/page/page.hpp"
 
 namespace kalfem {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kalfem/report/sections.hpp"
+#include "kalfem/report/model_check_section.hpp"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 
 #include "kalfem/model/finite_element_model.hpp"
 #include "kalfem/model/gauges/nearest_place.hpp"
-#include "kalfem/report/mesh_picture.hpp"
-#include "kalfem/report/tables.hpp"
+#include "kalfem/page/words.hpp"
+#include "kalfem/pictures/mesh_picture.hpp"
 
 namespace kalfem {
 namespace {

@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "kalfem/report/study_page.hpp"
+
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "kalfem/base/version.hpp"
+#include "kalfem/page/display_unit.hpp"
+#include "kalfem/page/words.hpp"
+#include "kalfem/report/console_report.hpp"
 #include "kalfem/report/data_files.hpp"
-#include "kalfem/report/display_unit.hpp"
-#include "kalfem/report/run_details.hpp"
-#include "kalfem/report/sections.hpp"
-#include "kalfem/report/summary_parts.hpp"
-#include "kalfem/report/tables.hpp"
+#include "kalfem/steps/estimation/report.hpp"
+#include "kalfem/steps/inference/outcome.hpp"
+#include "kalfem/steps/record/record_report.hpp"
+#include "kalfem/steps/simulation/outcome.hpp"
+#include "kalfem/steps/study_results.hpp"
+#include "kalfem/steps/updating/outcome.hpp"
 
 // How the results came about: what was read, how it was prepared, what the filter was and why, how long it took, and
 // the case with all its defaults.
@@ -59,9 +65,9 @@ Table method_table(const Study& study, const StudyResults& results) {
   if (study.excitation_band)
     add("band of the excitation",
         fmt::format("{} to {} Hz", four_digits(study.excitation_band->from), four_digits(study.excitation_band->to)));
-  if (results.simulation) add("reference", "simulated; its sensors carry the noise that the case states");
-  if (results.estimation && results.estimation->has_samples()) {
-    const auto& outcome = *results.estimation;
+  if (results.has<SimulationOutcome>()) add("reference", "simulated; its sensors carry the noise that the case states");
+  if (const auto* estimation = results.find<EstimationOutcome>(); estimation && estimation->has_samples()) {
+    const auto& outcome = *estimation;
     add("filter", to_string(outcome.filter) + ": " + outcome.filter_reason);
     add("states", fmt::format("{}, of these {} unknown parameters", outcome.augmented_model->layout().size(),
                               outcome.augmented_model->layout().unknowns));
@@ -70,8 +76,10 @@ Table method_table(const Study& study, const StudyResults& results) {
     add("settling", fmt::format("errors and consistency count from {} s on",
                                 four_digits(outcome.measurements.time(outcome.settled))));
   }
-  if (results.updating) add("updating", fmt::format("{}; {}", results.updating->method, results.updating->termination));
-  if (results.inference) add("inference", results.inference->method + "; " + results.inference->likelihood);
+  if (const auto* updating = results.find<UpdatingOutcome>())
+    add("updating", fmt::format("{}; {}", updating->method, updating->termination));
+  if (const auto* inference = results.find<InferenceOutcome>())
+    add("inference", inference->method + "; " + inference->likelihood);
   return table;
 }
 
@@ -91,8 +99,8 @@ Section provenance_section(const Study& study, const StudyResults& results) {
   Section section{"How it was done", record_words(study, results), {}};
   for (auto table : {files_table(study), method_table(study, results)})
     if (!table.rows.empty()) section.items.emplace_back(std::move(table));
-  if (results.estimation && results.estimation->has_samples())
-    section.items.emplace_back(noise_table(*results.estimation));
+  if (const auto* estimation = results.find<EstimationOutcome>(); estimation && estimation->has_samples())
+    section.items.emplace_back(noise_table(*estimation));
   Table timing = timing_table(study, results);
   timing.half_width = true;
   section.items.emplace_back(std::move(timing));

@@ -5,9 +5,10 @@
 
 #include <cmath>
 
+#include "kalfem/page/words.hpp"
 #include "kalfem/records/channel_statistics.hpp"
 #include "kalfem/report/inspection.hpp"
-#include "kalfem/report/tables.hpp"
+#include "kalfem/study/study.hpp"
 
 namespace kalfem {
 namespace {

@@ -4,8 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "kalfem/pipeline/record_expectation.hpp"
-#include "kalfem/report/page.hpp"
+#include "kalfem/page/page.hpp"
+#include "kalfem/steps/record/record_expectation.hpp"
+#include "kalfem/study/study.hpp"
 
 namespace kalfem {
 

@@ -17,44 +17,12 @@
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/regular_file.hpp"
 #include "kalfem/base/text.hpp"
-#include "kalfem/formats/vtu.hpp"
-#include "kalfem/pipeline/likelihood_checkpoint.hpp"
-#include "kalfem/pipeline/run_study.hpp"
-#include "kalfem/pipeline/simulation_checkpoint.hpp"
-#include "kalfem/pipeline/updating_checkpoint.hpp"
-#include "kalfem/report/frequency_response_report.hpp"
-#include "kalfem/report/nodal_translations.hpp"
-#include "kalfem/report/statics_report.hpp"
+#include "kalfem/steps/table.hpp"
 
 namespace kalfem {
 namespace {
 
 namespace fs = std::filesystem;
-using Eigen::Index;
-
-void write_series(const fs::path& folder, const FiniteElementPart& part, const FieldSeries& series) {
-  std::vector<SeriesEntry> entries;
-  for (std::size_t k = 0; k < series.times.size(); ++k) {
-    const std::string file = fmt::format("{}/{:05d}.vtu", series.name, k);
-    write_vtu((folder / file).string(), part.elements.mesh,
-              {{"displacement", nodal_translations(part, series.displacement.col(static_cast<Index>(k)))}});
-    entries.push_back({series.times[k], file});
-  }
-  write_pvd((folder / (series.name + ".pvd")).string(), entries);
-}
-
-/// For ParaView: <substructure>_modes.vtu with the modes of each finite-element substructure, and for each field series
-/// <name>.pvd with a folder <name>/ of one .vtu a time; the fields of static load cases.
-void write_fields(const std::string& folder, const Study& study, const StudyResults& results) {
-  for (const auto& elements : study.structure->finite_elements) {
-    if (elements.part->elements.mesh.cells.empty()) continue;
-    for (const auto& modes : results.modes)
-      if (modes.name == elements.part->name && modes.frequencies.size() > 0) write_modes(folder, *elements.part, modes);
-    for (const auto& series : results.fields)
-      if (series.substructure == elements.part->name) write_series(folder, *elements.part, series);
-  }
-  if (results.statics) write_static_fields(folder, *study.statics, *results.statics);
-}
 
 using Json = nlohmann::ordered_json;
 using Names = std::vector<std::string>;
@@ -150,9 +118,9 @@ ResultSet write_files(const fs::path& staging, const Study& study, const StudyRe
   Json summary = summarise(study, results);
   const std::string identity = summary["run"];
   write_results((staging / "results.h5").string(), study, results, identity);
-  write_fields(staging.string(), study, results);
+  for (const auto* step : steps_that_ran(results))
+    if (step->write) step->write(staging, study, results);
   write_superelements(staging, study);
-  if (results.frequency_response) write_frequency_responses(staging, *results.frequency_response);
   write_cases(staging, study, results, identity);
   Page page = make_page(study, results);
   page.run = identity;
@@ -180,22 +148,14 @@ ResultSet switch_to_files(OutputFolder& folder, const Names& files, const StudyR
     if (!std::ranges::binary_search(files, name) && fs::is_regular_file(folder.path() / name))
       set.removed.push_back(name);
   std::ranges::sort(set.removed);
-  if (results.simulation && !results.interrupted) former.emplace_back(simulation_name);
-  if (results.updating) former.emplace_back(checkpoint_name);
-  if (results.inference) former.emplace_back(likelihoods_name);
+  for (const auto* step : steps_that_ran(results))
+    if (!step->checkpoint.file.empty() && !(step->checkpoint.outlives_step && results.interrupted))
+      former.emplace_back(step->checkpoint.file);
   set.files = folder.replace(former);
   return set;
 }
 
 }  // namespace
-
-void write_modes(const fs::path& folder, const FiniteElementPart& part, const SubstructureModes& modes) {
-  std::vector<NodalField> fields;
-  for (Index i = 0; i < modes.frequencies.size(); ++i)
-    fields.push_back({fmt::format("mode {:02d}: {:.2f} Hz", i + 1, modes.frequencies[i]),
-                      nodal_translations(part, modes.shapes.col(i))});
-  write_vtu((folder / (part.name + "_modes.vtu")).string(), part.elements.mesh, fields);
-}
 
 std::string summary_text(Json summary, const Names& files, double total_seconds) {
   summary["files"] = files;
@@ -230,11 +190,10 @@ ResultSet write_result_set(OutputFolder& folder, const Study& study, const Study
 
 void require_result_places(const fs::path& folder, const Study& study) {
   Names names(main_files.begin(), main_files.end());
-  if (study.simulation) names.emplace_back(simulation_name);
-  if (study.updating) names.emplace_back(checkpoint_name);
-  if (study.inference) names.emplace_back(likelihoods_name);
-  for (const auto& elements : study.structure->finite_elements) names.push_back(elements.part->name + "_modes.vtu");
-  if (study.statics) names.push_back(study.statics->part->name + "_static.vtu");
+  for (const auto* step : steps_of(every_step, study)) {
+    if (!step->checkpoint.file.empty()) names.emplace_back(step->checkpoint.file);
+    if (step->files) std::ranges::move(step->files(study), std::back_inserter(names));
+  }
   std::error_code ignored;
   for (const auto& name : names)
     if (fs::is_directory(folder / name, ignored)) fail_to_write(folder / name, EISDIR);

@@ -11,8 +11,9 @@
 
 #include "kalfem/base/output_folder.hpp"
 #include "kalfem/base/stopwatch.hpp"
-#include "kalfem/pipeline/run_study.hpp"
-#include "kalfem/report/page.hpp"
+#include "kalfem/page/page.hpp"
+#include "kalfem/steps/result_series.hpp"
+#include "kalfem/steps/study_results.hpp"
 #include "kalfem/study/study.hpp"
 
 namespace kalfem {
@@ -23,15 +24,8 @@ namespace kalfem {
 /// pass in a thread beside `predict` and `update`.
 nlohmann::ordered_json summarise(const Study& study, const StudyResults& results);
 
-/// One series of the results under its path, "/estimate/body.3/displacement".
-struct ResultSeries {
-  std::string path;
-  Eigen::VectorXd values;
-  std::string unit;
-  std::optional<double> sample_rate = {};   ///< [Hz]; empty: the values are not at even times
-  std::optional<Eigen::Index> chains = {};  ///< of values that are draws: so many chains, one after the other
-};
-using SeriesVisitor = std::function<void(const ResultSeries&)>;
+/// Takes the times that were measured out of summary.json, or a part of it: what stays is the same for the same run.
+void drop_times(nlohmann::ordered_json& json);
 
 /// Visits every series of the results in the order in which they are written.
 void visit_results(const Study& study, const StudyResults& results, const SeriesVisitor& visit);
@@ -53,9 +47,6 @@ void write_results(const std::string& path, const Study& study, const StudyResul
 /// Writes the augmented model's superelements for other codes, in the formats that the case asks for:
 /// <substructure>_reduced with the ending of the format (.mtx, .dmig, .op4, .h5), see write_superelement().
 void write_superelements(const std::filesystem::path& folder, const Study& study);
-
-/// Writes <part>_modes.vtu: the mesh with the translations of its nodes in each mode, for ParaView.
-void write_modes(const std::filesystem::path& folder, const FiniteElementPart& part, const SubstructureModes& modes);
 
 /// report.html's content: the answer first, then convergence of the parameters, motion against the reference, the
 /// identified connectors, the prediction, and whether the innovations are what they should be.

@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kalfem/report/run_case.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <limits>
 
 #include "kalfem/report/result_set.hpp"
+#include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/table.hpp"
+#include "kalfem/steps/updating/outcome.hpp"
 
 namespace kalfem {
 
@@ -42,11 +48,12 @@ std::vector<CaseValue> updated_values(const UpdatingSetup& setup, const Updating
 
 CaseResult values_of(const Study& study, const StudyResults& results) {
   CaseResult result;
-  if (results.estimation) {
-    result.estimated = estimated_values(*results.estimation);
-    result.mean_nis = results.estimation->consistency.mean_nis;
+  if (const auto* estimation = results.find<EstimationOutcome>()) {
+    result.estimated = estimated_values(*estimation);
+    result.mean_nis = estimation->consistency.mean_nis;
   }
-  if (results.updating) result.updated = updated_values(*study.updating, *results.updating);
+  if (const auto* updating = results.find<UpdatingOutcome>())
+    result.updated = updated_values(*study.updating, *updating);
   result.warnings = study.warnings;
   result.warnings.insert(result.warnings.end(), results.warnings.begin(), results.warnings.end());
   result.verdict = results.verdict;
@@ -54,14 +61,15 @@ CaseResult values_of(const Study& study, const StudyResults& results) {
   return result;
 }
 
-Step step_named(const std::string& name) {
-  const std::vector<std::string> names{"modes", "simulate", "estimate", "predict", "update",
-                                       "infer", "place",    "static",   "frf",     "everything"};
-  const auto found = std::ranges::find(names, name);
-  if (found == names.end())
+/// Throws InvalidInput where no step has that name.
+void require_step(const std::string& name) {
+  std::vector<std::string> names;
+  for (const auto* step : verbs()) names.emplace_back(step->name);
+  const std::string all = fmt::format("{}", fmt::join(names, ", "));
+  names.emplace_back(every_step);
+  if (std::ranges::find(names, name) == names.end())
     throw InvalidInput("last_step: there is no step '" + name + "'" + did_you_mean(name, names), "",
-                       "give modes, simulate, estimate, predict, update, infer, place, static, frf or everything");
-  return static_cast<Step>(found - names.begin());
+                       fmt::format("give {} or {}", all, every_step));
 }
 
 Study load(const std::filesystem::path& case_file, const RunCaseOptions& options) {
@@ -82,14 +90,14 @@ struct CaseRun::Contents {
 /// The output folder is taken before anything is computed.
 CaseRun::CaseRun(const std::filesystem::path& case_file, const RunCaseOptions& options) {
   const Stopwatch watch;
-  const Step last = step_named(options.last_step);
+  require_step(options.last_step);
   std::optional<OutputFolder> output;
   if (!options.folder.empty()) output.emplace(options.folder);
   auto contents = std::make_shared<Contents>();
   contents->study = load(case_file, options);
   const Study& study = contents->study;
   if (output) require_result_places(output->path(), study);
-  contents->results = run_study(study, last, {.progress = options.progress, .folder = options.folder});
+  contents->results = run_study(study, options.last_step, {.progress = options.progress, .folder = options.folder});
   contents->result = values_of(study, contents->results);
   if (output) {
     auto [files, removed, summary] = write_result_set(*output, study, contents->results, watch);
@@ -111,13 +119,13 @@ void CaseRun::visit(const std::function<void(const CaseSeries&)>& visitor) const
 }
 
 CaseRun::InnovationCovariance CaseRun::innovation_covariance() const {
-  const auto& estimation = contents_->results.estimation;
+  const auto* estimation = contents_->results.find<EstimationOutcome>();
   if (!estimation) return {};
   return {estimation->result.innovation_covariance, estimation->result.innovation.rows()};
 }
 
 std::vector<UnknownScore> CaseRun::scores() const {
-  const auto& estimation = contents_->results.estimation;
+  const auto* estimation = contents_->results.find<EstimationOutcome>();
   return estimation ? scores_of_unknowns(*estimation) : std::vector<UnknownScore>{};
 }
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kalfem/report/run_details.hpp"
+#include "kalfem/report/console_report.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "kalfem/report/tables.hpp"
+#include "kalfem/page/words.hpp"
+#include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/table.hpp"
 
 namespace kalfem {
 namespace {
@@ -27,13 +29,9 @@ PhaseTimes step_times(const Study& study, const StudyResults& results) {
   PhaseTimes times;
   times.add("load", std::max(0.0, study.load_seconds - study.reduce_seconds));
   if (!study.structure->finite_elements.empty()) times.add("reduce", study.reduce_seconds);
-  if (results.statics) times.add("static", results.statics->seconds);
-  if (results.simulation) times.add("simulate", results.simulation->seconds);
-  if (results.updating) times.add("update", results.updating->seconds);
-  if (results.estimation) times.add("estimate", results.estimation->seconds);
-  if (results.prediction) times.add("predict", results.prediction->seconds);
-  if (results.inference) times.add("infer", results.inference->seconds);
-  if (results.placement) times.add("place", results.placement->seconds);
+  for (const auto& step : run_steps())
+    if (step.seconds)
+      if (const auto seconds = step.seconds(results)) times.add(std::string(step.name), *seconds);
   times.add(results.phases);
   return times;
 }
@@ -50,7 +48,7 @@ Table timing_table(const Study& study, const StudyResults& results) {
     if (step == "reduce")
       for (const auto& [part, own] : study.reduce_phases.list()) add("  of that: " + part, own);
     if (step == "estimate") {
-      const auto& time = results.estimation->result.time;
+      const auto& time = results.get<EstimationOutcome>().result.time;
       add("  of the last filter pass: predict", time.predict);
       add("  of the last filter pass: update", time.update);
       add("  of the last filter pass: outputs", time.output);
@@ -65,7 +63,7 @@ std::string console_details(const Study& study, const StudyResults& results) {
   const auto add = [&](const Table& table) {
     if (!table.rows.empty()) text += table.title + "\n" + to_text(table) + "\n";
   };
-  if (results.estimation) add(attempts_table(*results.estimation));
+  if (const auto* estimation = results.find<EstimationOutcome>()) add(attempts_table(*estimation));
   add(timing_table(study, results));
   return text;
 }

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kalfem/report/structure_picture.hpp"
+#include "kalfem/report/study_page.hpp"
 
 #include <map>
 #include <set>
 
-#include "kalfem/report/mesh_picture.hpp"
-#include "kalfem/report/schematic.hpp"
+#include "kalfem/page/page.hpp"
+#include "kalfem/pictures/mesh_picture.hpp"
+#include "kalfem/pictures/schematic.hpp"
+#include "kalfem/study/study.hpp"
 
 namespace kalfem {
 namespace {

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kalfem/report/finished/comparison_report.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kalfem/page/chart_series.hpp"
+#include "kalfem/report/finished/run_series.hpp"
+
+namespace kalfem {
+namespace {
+
+using Eigen::VectorXd;
+
+constexpr std::size_t grid_points = 2000;  ///< of a chart with several runs
+constexpr std::size_t most_with_bands = 3;
+
+/// Values at other abscissae: straight lines between the samples, nothing outside.
+std::vector<double> interpolated(const VectorXd& x, const VectorXd& y, const std::vector<double>& at) {
+  std::vector<double> values;
+  for (const double where : at) {
+    const auto next = std::ranges::lower_bound(x, where) - x.begin();
+    if (next == x.size() || (next == 0 && where < x[0]))
+      values.push_back(std::numeric_limits<double>::quiet_NaN());
+    else if (next == 0)
+      values.push_back(y[0]);
+    else
+      values.push_back(y[next - 1] + (y[next] - y[next - 1]) * (where - x[next - 1]) / (x[next] - x[next - 1]));
+  }
+  return values;
+}
+
+/// One parameter in all runs that followed it: over time by the filter, or over the iterations of the updating.
+std::optional<Chart> course_chart(const RunComparison& comparison, const std::vector<RunSeries>& series,
+                                  const ComparedParameter& parameter, bool of_filter) {
+  Chart chart{.title = parameter.name, .x_label = of_filter ? "time [s]" : "evaluation", .half_width = true};
+  struct Course {
+    std::size_t run;
+    ParameterCourse values;
+  };
+  std::vector<Course> courses;
+  for (std::size_t i = 0; i < series.size(); ++i)
+    if (auto found = of_filter ? series[i].filter_course(parameter.name) : series[i].updating_course(parameter.name))
+      courses.push_back({i, std::move(*found)});
+  if (courses.empty()) return std::nullopt;
+  double from = std::numeric_limits<double>::infinity(), to = -from;
+  for (const auto& [run, values] : courses) {
+    from = std::min(from, values.x[0]);
+    to = std::max(to, values.x[values.x.size() - 1]);
+  }
+  if (!(from < to)) return std::nullopt;
+  for (std::size_t k = 0; k < grid_points; ++k)
+    chart.x.push_back(from + (to - from) * static_cast<double>(k) / static_cast<double>(grid_points - 1));
+  chart.x.back() = to;
+  for (const auto& [run, values] : courses) {
+    Series curve{.label = comparison.labels[run], .y = interpolated(values.x, values.mean, chart.x)};
+    if (values.lower.size() > 0 && courses.size() <= most_with_bands) {
+      curve.lower = interpolated(values.x, values.lower, chart.x);
+      curve.upper = interpolated(values.x, values.upper, chart.x);
+    }
+    chart.series.push_back(std::move(curve));
+  }
+  if (parameter.truth)
+    chart.series.push_back(
+        {.label = "truth", .y = std::vector<double>(chart.x.size(), *parameter.truth), .role = Role::truth});
+  return with_readable_ordinates(std::move(chart), parameter.name, parameter.unit);
+}
+
+Section courses_section(const RunComparison& comparison) {
+  Section section{
+      "Courses of the parameters", "Estimates with their 95 % bands, where three runs or fewer are shown.", {}};
+  std::vector<RunSeries> series;
+  for (const auto& run : comparison.runs) series.emplace_back(run);
+  for (const auto& parameter : compared_parameters(comparison))
+    for (const bool of_filter : {true, false})
+      if (auto chart = course_chart(comparison, series, parameter, of_filter))
+        section.items.emplace_back(std::move(*chart));
+  return section;
+}
+
+}  // namespace
+
+Page comparison_page(const RunComparison& comparison) {
+  Page page{.title = "Runs compared", .subtitle = fmt::format("{}", fmt::join(comparison.labels, ", "))};
+  for (const auto& run : comparison.runs) page.status = std::max(page.status, run.verdict);
+  page.summary = comparison.differences;
+  for (const auto& warning : comparison.warnings) page.summary += " Warning: " + warning + ".";
+  Section tables{"Numbers", "", {}};
+  for (auto& table : comparison_tables(comparison)) tables.items.emplace_back(std::move(table));
+  if (auto verdicts = verdict_table(comparison); !verdicts.rows.empty()) tables.items.emplace_back(std::move(verdicts));
+  page.sections.push_back(std::move(tables));
+  if (auto courses = courses_section(comparison); !courses.items.empty()) page.sections.push_back(std::move(courses));
+  return page;
+}
+
+}  // namespace kalfem

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kalfem/sampling/posterior.hpp"
+#include "kalfem/steps/study_results.hpp"
+#include "kalfem/study/study.hpp"
+
+namespace kalfem {
+
+/// The likelihood of the parameters that a case infers.
+struct CaseLikelihood {
+  std::vector<std::string> names;
+  LogLikelihood log_likelihood;
+  /// Fisher information at theta [1/(unit_i unit_j)]; empty where it cannot be computed.
+  std::function<std::optional<Eigen::MatrixXd>(const Eigen::VectorXd& theta)> information;
+  std::string words;  ///< what it is made of
+};
+
+/// Of a record under the study's excitation, as the plan's kind says: `filter` or `simulation`. `first`: where the
+/// filter's substeps and finite elements' bases are decided. Throws InvalidInput where it cannot be made there.
+CaseLikelihood likelihood_of_record(const Study& study, const Record& record, const Eigen::VectorXd& first);
+
+/// Of the updating's comparisons.
+CaseLikelihood likelihood_of_comparisons(const Study& study, const StudyResults& results);
+
+/// Names of the plan's parameters, and where their search starts.
+std::vector<std::string> names_of(const InferencePlan& plan);
+Eigen::VectorXd start_of(const InferencePlan& plan);
+
+}  // namespace kalfem

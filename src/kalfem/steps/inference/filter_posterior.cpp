@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kalfem/steps/inference/posterior.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "kalfem/identification/filter_likelihood.hpp"
+#include "kalfem/steps/inference/outcome.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double strong_evidence = 3.0;  ///< difference of ln Z that Kass and Raftery (1995) call strong
+
+/// The filter's distribution of the plan's parameters at the record's end.
+struct FinalDistribution {
+  std::vector<ParameterTransform> transforms;
+  VectorXd mean;        ///< x, in the filter's coordinates
+  MatrixXd covariance;  ///< of x
+
+  [[nodiscard]] VectorXd parameters(const VectorXd& x) const {
+    VectorXd theta(x.size());
+    for (Index i = 0; i < x.size(); ++i) theta[i] = transforms[static_cast<std::size_t>(i)].to_parameter(x[i]);
+    return theta;
+  }
+};
+
+FinalDistribution final_distribution(const InferencePlan& plan, const RecordEstimate& estimate) {
+  const auto& unknowns = estimate.augmented_model->options().unknowns;
+  FinalDistribution final;
+  std::vector<Index> rows;
+  for (const auto& parameter : plan.parameters) {
+    const auto unknown = std::ranges::find(unknowns, parameter.name, &UnknownParameter::name);
+    final.transforms.push_back(unknown->transform);
+    rows.push_back(estimate.augmented_model->layout().unknown() + (unknown - unknowns.begin()));
+  }
+  final.mean = estimate.result.state.mean.col(estimate.result.state.mean.cols() - 1)(rows);
+  final.covariance = estimate.result.final_covariance(rows, rows);
+  return final;
+}
+
+SampleSet samples_of(const FinalDistribution& final, const InferencePlan& plan, double log_likelihood) {
+  const Eigen::LDLT<MatrixXd> factor(final.covariance);
+  const MatrixXd root = factor.transpositionsP().transpose() * MatrixXd(factor.matrixL()) *
+                        factor.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  MatrixXd z(final.mean.size(), plan.samples);
+  RandomStream random(plan.seed, "filter's posterior");
+  for (auto column : z.colwise()) {
+    const VectorXd normal = VectorXd::NullaryExpr(z.rows(), [&] { return random.normal(); });
+    column = plan.prior.to_standard_normal(final.parameters(final.mean + root * normal));
+  }
+  return make_sample_set(plan.prior, z, VectorXd::Constant(plan.samples, log_likelihood), 1);
+}
+
+/// Of a normal distribution about the estimate, over the standard normals z of the prior, P_z the filter's covariance:
+///     ln Z = ln p(data | theta) - |z|^2 / 2 + 1/2 ln det P_z.
+double evidence_about_estimate(const FinalDistribution& final, const JointPrior& prior, double log_likelihood) {
+  const VectorXd step = 0.01 * final.covariance.diagonal().cwiseSqrt();
+  const auto z = [&](const VectorXd& x) { return prior.to_standard_normal(final.parameters(x)); };
+  const VectorXd slope = (z(final.mean + step) - z(final.mean - step)).cwiseQuotient(2.0 * step);
+  const MatrixXd covariance = slope.asDiagonal() * final.covariance * slope.asDiagonal();
+  return log_likelihood - 0.5 * z(final.mean).squaredNorm() +
+         0.5 * Eigen::LDLT<MatrixXd>(covariance).vectorD().array().log().sum();
+}
+
+}  // namespace
+
+void take_filter_posterior(const Study& study, const Record& record, const RecordEstimate& estimate,
+                           const CaseLikelihood& likelihood, InferenceOutcome& outcome) {
+  const auto& plan = *study.inference;
+  if (estimate.result.failure)
+    throw InvalidInput(Issue{plan.location, "infer: " + estimate.failure(),
+                             "method: filter takes the posterior that it has at the record's end",
+                             "change the model or its noise, or take method: importance"});
+  const FinalDistribution final = final_distribution(plan, estimate);
+  outcome.method = "normal distribution of the filter at the record's end";
+  outcome.most_probable = final.parameters(final.mean);
+  outcome.log_likelihood = likelihood.log_likelihood(outcome.most_probable);
+  outcome.samples = samples_of(final, plan, outcome.log_likelihood);
+  outcome.log_evidence = evidence_about_estimate(final, plan.prior, outcome.log_likelihood);
+  const double of_one_pass = FilterLikelihood(study.problem, record, {}).log_likelihood(VectorXd());
+  outcome.log_evidence_deviation = std::abs(*outcome.log_evidence - of_one_pass);
+  outcome.evaluations = 2;
+  if (!(*outcome.log_evidence_deviation < strong_evidence))
+    outcome.warnings.push_back(fmt::format(
+        "ln Z about the filter's estimate and ln p of its whole pass, which would be the same if the filter were "
+        "exact, "
+        "are {:.3g} apart: smaller differences between laws say nothing; start the unknowns nearer to their values, or "
+        "take method: importance",
+        *outcome.log_evidence_deviation));
+  summarise_posterior(outcome);
+}
+
+}  // namespace kalfem

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kalfem/identification/augmented_model_setup.hpp"
+#include "kalfem/page/json_number.hpp"
+#include "kalfem/page/words.hpp"
+#include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/point_errors.hpp"
+#include "kalfem/steps/prediction/compute.hpp"
+#include "kalfem/steps/prediction/outcome.hpp"
+#include "kalfem/steps/prediction/section.hpp"
+#include "kalfem/steps/run_step.hpp"
+#include "kalfem/steps/updating/outcome.hpp"
+#include "kalfem/study/structural_modifications.hpp"
+
+// Two predictions: the motion of a substructure that its estimated boundary drives, and the natural frequencies after
+// changes to the structure.
+
+namespace kalfem {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The structure for the prediction, at the estimates of the filter's unknowns. Nothing if it is the case's own, or if
+/// the estimates are not admissible.
+std::optional<CoupledModel> estimated_model(RunContext& context, const EstimationOutcome& estimation) try {
+  const Study& study = context.study;
+  const AugmentedModelSetup& augmented_model = *context.augmented_model;
+  const auto& updated = context.updated;
+  const bool bound = !augmented_model.linear_unknowns.bindings.empty();
+  StructureParts parts = updated ? *updated
+                         : bound
+                             ? parts_at(*study.problem, augmented_model.linear_unknowns, linear_estimates(estimation))
+                             : study.structure->reference_parts();
+  const auto refined =
+      updated ? present_values(*study.updating, context.results.get<UpdatingOutcome>().values) : PresentValues{};
+  const bool changed = set_unknowns(*study.problem, study.prediction->substructure.value,
+                                    estimation.result.unknowns.mean.rightCols(1), refined, parts);
+  if (!changed && !updated && !bound) return std::nullopt;
+  return couple(parts);
+} catch (const InvalidInput& error) {
+  context.results.failure =
+      "the estimates are physically impossible, so there is nothing to predict from: " + error.issues().front().what;
+  return std::nullopt;
+}
+
+std::optional<UpdatedParameters> updated_parameters(const StudyResults& results) {
+  const auto* updating = results.find<UpdatingOutcome>();
+  return updating ? std::optional(UpdatedParameters{updating->values, updating->statistics}) : std::nullopt;
+}
+
+void predict(RunContext& context) {
+  const Study& study = context.study;
+  auto& results = context.results;
+  if (study.prediction) {
+    const auto estimated = estimated_model(context, results.get<EstimationOutcome>());
+    if (!results.complete()) return;
+    results.put(run_prediction(study, estimated ? *estimated : *study.model, results, context.job.begin("predict")));
+  }
+  if (auto found = predict_modifications(study, updated_parameters(results)); !found.empty())
+    results.put(ModificationsOutcome{std::move(found)});
+}
+
+std::vector<StructuralModificationResult> modifications_of(const StudyResults& results) {
+  const auto* outcome = results.find<ModificationsOutcome>();
+  return outcome ? outcome->modifications : std::vector<StructuralModificationResult>{};
+}
+
+Json prediction_summary(const StudyResults& results) {
+  Json summary = Json::object();
+  if (const auto* prediction = results.find<PredictionOutcome>()) {
+    Json& points = summary[prediction->substructure];
+    const RestingPoints resting(prediction->points, results.get<EstimationOutcome>().settled);
+    for (const auto& point : prediction->points)
+      add_errors(points[point.point.substr(point.point.find('.') + 1)], point, resting);
+  }
+  for (const auto& each : modifications_of(results)) {
+    Json frequencies = Json::array();
+    for (const double f : each.frequencies) frequencies.push_back(number(f));
+    Json& modification = summary[each.name];
+    modification = {{"substructure", each.substructure}, {"frequencies_hz", frequencies}};
+    if (each.deviations.size() == 0) continue;
+    modification["frequencies_std_hz"] = Json::array();
+    for (const double deviation : each.deviations) modification["frequencies_std_hz"].push_back(number(deviation));
+    modification["note"] = deviations_leave_out;
+  }
+  return summary;
+}
+
+std::string told(const Study& study, const StudyResults& results) {
+  std::string text;
+  if (const auto* prediction = results.find<PredictionOutcome>()) {
+    const auto& estimation = results.get<EstimationOutcome>();
+    if (const auto table = error_table("", study, prediction->points, estimation.settled); !table.rows.empty())
+      text += "'" + prediction->substructure + "' driven by its estimated boundary motion, NRMSE" +
+              band_words(estimation.band) + "\n" + to_text(table) + "\n";
+  }
+  if (const auto* outcome = results.find<ModificationsOutcome>()) {
+    text +=
+        "Natural frequencies after modifications [Hz]\n" + to_text(modification_table(outcome->modifications)) + "\n";
+    if (results.has<UpdatingOutcome>()) text += std::string(deviations_leave_out) + "\n";
+  }
+  return text;
+}
+
+std::vector<PlacedSection> sections(const Study& study, const StudyResults& results) {
+  std::vector<PlacedSection> all;
+  if (const auto* outcome = results.find<ModificationsOutcome>())
+    all.push_back({PagePlace::modifications,
+                   {"Modifications",
+                    std::string("Natural frequencies predicted without further updating. ") +
+                        (results.has<UpdatingOutcome>() ? deviations_leave_out : ""),
+                    {modification_table(outcome->modifications)}}});
+  if (const auto* prediction = results.find<PredictionOutcome>())
+    all.push_back({PagePlace::prediction, prediction_section(study, results.get<EstimationOutcome>(), *prediction)});
+  return all;
+}
+
+}  // namespace
+
+RunStep prediction_step() {
+  return {.name = "predict",
+          .meaning = "predict the response of a linear substructure, running the steps this needs",
+          .asked_for = [](const Study& study) { return study.prediction.has_value() || !study.modifications.empty(); },
+          .with = {"estimate"},
+          .phases =
+              [](const Study& study) {
+                return std::vector<PlannedStep>(study.prediction ? 1 : 0, {"predict", 2.0});
+              },
+          .run = &predict,
+          .ran =
+              [](const StudyResults& results) {
+                return results.has<PredictionOutcome>() || results.has<ModificationsOutcome>();
+              },
+          .seconds = &seconds_of<PredictionOutcome>,
+          .summarise = [](const Study&, const StudyResults& results,
+                          Json& summary) { summary["prediction"] = prediction_summary(results); },
+          .tell = &told,
+          .sections = &sections,
+          .visit =
+              [](const Study&, const StudyResults& results, SeriesWriter& file) {
+                if (const auto* prediction = results.find<PredictionOutcome>())
+                  file.write_points("/prediction", prediction->points);
+              }};
+}
+
+}  // namespace kalfem

@@ -1,0 +1,387 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kalfem/steps/updating/compute.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "kalfem/base/stopwatch.hpp"
+#include "kalfem/identification/filter_run.hpp"
+#include "kalfem/steps/updating/checkpoint.hpp"
+#include "kalfem/updating/frf_residual.hpp"
+#include "kalfem/updating/gauss_newton.hpp"
+#include "kalfem/updating/global_search.hpp"
+#include "kalfem/updating/parameter_statistics.hpp"
+#include "kalfem/updating/sensitivity_check.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+using Parameters = std::vector<UpdatingParameter>;
+
+/// The weighted sum of all comparisons at one continuation step.
+ResidualSum sum_of(const std::vector<ComparisonResidual>& comparisons, std::size_t step) {
+  std::vector<ResidualSum::Term> terms;
+  for (const auto& comparison : comparisons) terms.push_back({comparison.step(step), comparison.weight});
+  return ResidualSum(std::move(terms));
+}
+
+std::size_t continuation_steps_of(const std::vector<ComparisonResidual>& comparisons) {
+  std::size_t continuation_steps = 1;
+  for (const auto& comparison : comparisons)
+    continuation_steps = std::max(continuation_steps, comparison.continuation_steps.size());
+  return continuation_steps;
+}
+
+double rms_of(double cost, Index size) { return std::sqrt(2.0 * cost / static_cast<double>(std::max<Index>(1, size))); }
+
+/// Runs the search iteration by iteration and keeps a checkpoint between them.
+class Search {
+public:
+  Search(const Study& study, const RunOptions& options, UpdatingOutcome& updating)
+      : study_(study),
+        options_(options),
+        outcome_(updating),
+        checkpoint_(options.folder, fingerprint_of(study, updating.residual_initial), updating.values.size()) {}
+
+  /// Starts from the given point, whose residual may be known already, or from the checkpoint of an earlier run.
+  /// `last`: the residual at the end, with its Jacobian if it was computed.
+  GaussNewton run(const ResidualSum& residual, const VectorXd& start, const ResidualValue* first,
+                  std::optional<ResidualValue>& last) {
+    const auto options = study_.updating_plan->search;
+    GaussNewtonState state = starting_at(start, options);
+    if (auto earlier = checkpoint_.read()) {
+      state = std::move(earlier->state);
+      outcome_.trace = std::move(earlier->trace);
+      outcome_.resumed_at = state.evaluations;
+    }
+    GaussNewton search(study_.updating->parameters, options, state);
+    while (!search.finished()) {
+      const Stopwatch watch;
+      const VectorXd tried = search.proposal();
+      const bool known = first && search.state().evaluations == 0;
+      auto value = known ? std::optional(*first) : residual.evaluate(tried, search.needs_jacobian());
+      const bool accepted = search.tell(value);
+      if (accepted) last = std::move(value);
+      keep({accepted, tried, search.state().parameters, rms_of(search.state().residual_cost, residual.size()),
+            watch.seconds()});
+      checkpoint_.write({search.state(), outcome_.trace});
+    }
+    return search;
+  }
+
+  void keep(UpdatingStep step) {
+    outcome_.trace.push_back(std::move(step));
+    show_progress(static_cast<int>(outcome_.trace.size()));
+    if (options_.on_updating_step)
+      options_.on_updating_step(static_cast<int>(outcome_.trace.size()), outcome_.trace.back());
+  }
+
+private:
+  /// When the search will converge is not known: half of it is expected in so many evaluations.
+  void show_progress(int evaluations) const {
+    constexpr double half = 8.0;
+    if (options_.progress)
+      options_.progress("evaluation " + std::to_string(evaluations), evaluations / (evaluations + half));
+  }
+
+  const Study& study_;
+  const RunOptions& options_;
+  UpdatingOutcome& outcome_;
+  UpdatingCheckpoint checkpoint_;
+};
+
+/// End point of a search, with the residual there.
+using LastResidual = std::optional<ResidualValue>;
+
+void end_with(Termination end, const std::string& reason, UpdatingOutcome& updating) {
+  updating.end = end;
+  updating.termination = reason;
+  updating.converged = converged(end);
+}
+
+/// Continuation from wide to narrow smoothing; each step starts at the end of the one before. Only the last step keeps
+/// a checkpoint.
+LastResidual search_from_one_start(const Study& study, const std::vector<ComparisonResidual>& comparisons,
+                                   const ResidualValue& first, const RunOptions& options, UpdatingOutcome& updating) {
+  updating.method = "Gauss-Newton in a trust region";
+  const std::size_t continuation_steps = continuation_steps_of(comparisons);
+  VectorXd start = initial_values(study.updating->parameters);
+  for (std::size_t step = 0; step + 1 < continuation_steps; ++step) {
+    LeastSquaresOptions least_squares{.search = study.updating_plan->search, .start = start, .watch = {}};
+    const auto outcome = minimise(sum_of(comparisons, step), study.updating->parameters, least_squares);
+    updating.evaluations += outcome.evaluations;
+    updating.iterations += outcome.iterations;
+    start = outcome.parameters;
+  }
+  if (continuation_steps > 1)
+    updating.method +=
+        ", frequency responses smoothed at first, in " + std::to_string(continuation_steps) + " continuation steps";
+  LastResidual last;
+  const auto done =
+      Search(study, options, updating)
+          .run(sum_of(comparisons, continuation_steps - 1), start, continuation_steps == 1 ? &first : nullptr, last);
+  updating.values = done.state().parameters;
+  end_with(*done.finished(), explain(*done.finished()), updating);
+  updating.evaluations += done.state().evaluations;
+  updating.iterations += done.state().iterations;
+  return last;
+}
+
+LastResidual search_from_many_starts(const Study& study, const std::vector<ComparisonResidual>& comparisons,
+                                     UpdatingOutcome& updating) {
+  const UpdatingPlan& plan = *study.updating_plan;
+  std::vector<ResidualSum> steps;
+  for (std::size_t step = 0; step < continuation_steps_of(comparisons); ++step)
+    steps.push_back(sum_of(comparisons, step));
+  MultiStartOptions options{.starts = plan.starts, .seed = plan.seed, .search = {}};
+  options.search.search = plan.search;
+  for (std::size_t step = 0; step + 1 < steps.size(); ++step) options.continuation.push_back(&steps[step]);
+  const auto outcome = minimise_from_many(steps.back(), study.updating->parameters, options);
+  updating.values = outcome.best.parameters;
+  end_with(outcome.best.termination, outcome.best.reason(), updating);
+  updating.evaluations = outcome.evaluations;
+  updating.iterations = outcome.best.iterations;
+  updating.method = fmt::format(
+      "Gauss-Newton in a trust region from {} starts, of which {} converged; they ended at {} {}", plan.starts,
+      outcome.converged, outcome.minima.size(), outcome.minima.size() == 1 ? "point" : "different points");
+  for (const auto& minimum : outcome.minima)
+    updating.minima.push_back({minimum.parameters, rms_of(minimum.residual_cost, steps.back().size()), minimum.cost,
+                               minimum.reached, minimum.converged});
+  return outcome.best.residual;
+}
+
+LastResidual search_by_evolution(const Study& study, const ResidualSum& residual, UpdatingOutcome& updating) {
+  const UpdatingPlan& plan = *study.updating_plan;
+  EvolutionOptions options;
+  options.search = plan.evolution;
+  options.polishing->search = plan.search;
+  const auto outcome = evolve(residual, study.updating->parameters, options);
+  updating.method = "CMA-ES, then Gauss-Newton in a trust region";
+  updating.values = outcome.parameters;
+  if (outcome.polished) updating.end = outcome.polished->termination;
+  updating.termination = outcome.reason();
+  updating.converged = outcome.found() && (!outcome.polished || outcome.polished->usable());
+  updating.evaluations = outcome.evaluations + (outcome.polished ? outcome.polished->evaluations : 0);
+  updating.iterations = static_cast<int>(outcome.trace.size());
+  if (!outcome.polished) return std::nullopt;
+  return outcome.polished->residual;
+}
+
+std::vector<FrfCurve> curves(const FrfResidual& residual, const VectorXd& start, const VectorXd& end) {
+  std::vector<FrfCurve> all;
+  const auto before = residual.model_responses(start), after = residual.model_responses(end);
+  const auto scales_before = residual.scales(before), scales_after = residual.scales(after);
+  for (std::size_t i = 0; i < residual.compared().size(); ++i) {
+    const auto& measured = residual.compared()[i];
+    const auto& set = residual.sets()[i];
+    for (Index j = 0; j < measured.values.cols(); ++j)
+      all.push_back({.name = set.outputs[static_cast<std::size_t>(j)] + per_input(set),
+                     .quantity = name_of(set.quantity),
+                     .unit = unit_of(set),
+                     .lines = measured.lines,
+                     .measured = measured.values.col(j),
+                     .before = scales_before[i][j] * before[i].col(j),
+                     .after = scales_after[i][j] * after[i].col(j),
+                     .magnitudes_only = measured.magnitudes_only,
+                     .coherence = measured.coherence.size() > 0 ? VectorXd(measured.coherence.col(j)) : VectorXd(),
+                     .scale = residual.has_free_scale() ? std::optional(scales_after[i][j]) : std::nullopt});
+  }
+  return all;
+}
+
+/// The rows of each comparison in the sum, as sum_of() puts them.
+std::vector<ResidualBlock> blocks_of(const std::vector<ComparisonResidual>& comparisons) {
+  std::vector<ResidualBlock> blocks;
+  Index first = 0;
+  for (const auto& comparison : comparisons) {
+    const auto& residual = *comparison.continuation_steps.back();
+    blocks.push_back({comparison.name, first, residual.size(), residual.layout()});
+    first += residual.size();
+  }
+  return blocks;
+}
+
+/// Rms of each comparison at the start and at the end, with its modes or frequency lines if it has any.
+void compare(const Study& study, const std::vector<ComparisonResidual>& comparisons, const ResidualValue& first,
+             const ResidualValue& last, UpdatingOutcome& updating) {
+  const VectorXd start = initial_values(study.updating->parameters);
+  Index row = 0;
+  for (const auto& comparison : comparisons) {
+    const auto& residual = *comparison.continuation_steps.back();
+    ComparisonResult result;
+    result.name = comparison.name;
+    result.kind = comparison.kind;
+    result.weight = comparison.weight;
+    result.size = residual.size();
+    const auto rms = [&](const ResidualValue& value) {
+      return rms_of(0.5 * value.values.segment(row, result.size).squaredNorm(), result.size) /
+             std::sqrt(comparison.weight);
+    };
+    result.rms_initial = rms(first);
+    result.rms_final = rms(last);
+    row += result.size;
+    if (const auto* modal = dynamic_cast<const ModalResidual*>(&residual)) {
+      const auto at_start = modal->compare(start), at_end = modal->compare(updating.values);
+      result.modes_initial = at_start.pairs;
+      result.modes_final = at_end.pairs;
+      result.mac_initial = at_start.mac;
+      result.mac_final = at_end.mac;
+    }
+    if (const auto* record = dynamic_cast<const RecordResidual*>(&residual)) result.derivatives = record->derivatives();
+    if (const auto* frf = dynamic_cast<const FrfResidual*>(&residual))
+      result.responses = curves(*frf, start, updating.values);
+    updating.comparisons.push_back(std::move(result));
+  }
+}
+
+bool has_driven_record(const std::vector<ComparisonResidual>& comparisons) {
+  return std::ranges::any_of(comparisons, [](const ComparisonResidual& each) {
+    return dynamic_cast<const RecordResidual*>(each.continuation_steps.back().get()) != nullptr;
+  });
+}
+
+/// Residuals of records use finite differences themselves, so they agree less closely; those of driven records are
+/// one-sided or leave out the change of the gains.
+SensitivityCheckOptions check_options(const std::vector<ComparisonResidual>& comparisons) {
+  constexpr double of_driven_records = 0.1;
+  SensitivityCheckOptions options;
+  if (std::ranges::any_of(comparisons, &ComparisonResidual::of_record))
+    options.tolerance = has_driven_record(comparisons) ? of_driven_records : SimulationResidual::derivative_error;
+  return options;
+}
+
+/// Says why a search stalled, from derivatives at its end: the same check that the case may ask for at the start. A
+/// driven record is not checked unless asked for, as each difference is a filter pass.
+void explain_end(const Study& study, const std::vector<ComparisonResidual>& comparisons, const ResidualSum& residual,
+                 UpdatingOutcome& updating) {
+  if (updating.end != Termination::no_progress) return;
+  if (has_driven_record(comparisons) && !study.updating_plan->check_sensitivities) return;
+  const auto found =
+      check_sensitivities(residual, study.updating->parameters, updating.values, check_options(comparisons));
+  updating.termination += "; " + explain_stall(found);
+}
+
+/// A comparison with the record as a residual.
+ComparisonResidual with_record(const Study& study, const RecordComparison& given, const Record& record) {
+  const auto& structure = study.updating_plan->structure;
+  ResidualPtr residual;
+  if (const auto* simulated = std::get_if<RecordComparison::OfSimulation>(&given.what))
+    residual = std::make_shared<SimulationResidual>(study.structure, simulated->sensors, record, structure,
+                                                    study.updating->parameters, simulated->options);
+  else
+    residual = std::make_shared<RecordResidual>(study.problem, record, structure, *study.updating,
+                                                std::get<RecordResidual::Options>(given.what));
+  return {given.name, given.kind, {residual}, given.weight, true};
+}
+
+[[noreturn]] void refuse_first_values(const Study& study) {
+  throw InvalidInput(Issue{study.updating_plan->location,
+                           "update.parameters: the model has no response at the initial values",
+                           "the updating starts from these values", "change the initial values"});
+}
+
+/// Throws InvalidInput with the place of every parameter that the comparisons do not depend on.
+void require_effects(const Study& study, const Eigen::MatrixXd& jacobian) {
+  IssueList issues;
+  for (const auto& name : without_effect(study.updating->parameters, jacobian))
+    issues.add(study.updating_plan->parameter_locations.at(name),
+               "update.parameters." + name + ": no comparison depends on this parameter",
+               "a measurement must depend on a parameter to identify it",
+               "remove it or compare with a measurement that depends on it");
+  issues.raise();
+}
+
+/// The sum, at the initial values, of the comparisons that need no record; nothing if there are none.
+std::optional<ResidualValue> first_values_without_record(const Study& study,
+                                                         std::vector<ComparisonResidual> comparisons) {
+  std::erase_if(comparisons, [](const ComparisonResidual& each) { return each.of_record; });
+  if (comparisons.empty()) return std::nullopt;
+  const ResidualSum residual = sum_of(comparisons, continuation_steps_of(comparisons) - 1);
+  auto value = residual.evaluate(initial_values(study.updating->parameters), true);
+  if (!value) refuse_first_values(study);
+  return value;
+}
+
+/// States why there is no residual at the initial values if the comparisons with the record are the reason.
+std::string failure_at_first_values(const Study& study, const std::vector<ComparisonResidual>& comparisons) {
+  first_values_without_record(study, comparisons);
+  return "at the initial values of the updated parameters the filter or the simulation of the record fails; change "
+         "these values or the priors of the filter's unknowns";
+}
+
+std::string unusable(const UpdatingOutcome& updating, const LastResidual& last) {
+  if (!last || !std::isfinite(updating.residual_final) || !updating.values.allFinite())
+    return "the updating found no parameter values at which the model has a response";
+  return "";
+}
+
+}  // namespace
+
+std::vector<ComparisonResidual> all_comparisons(const Study& study, const StudyResults& results) {
+  const UpdatingPlan& plan = *study.updating_plan;
+  auto all = plan.comparisons;
+  if (plan.record_comparisons.empty()) return all;
+  const Record& record = record_of(study, results);
+  IssueList issues;
+  for (const auto& given : plan.record_comparisons) try {
+      all.push_back(with_record(study, given, record));
+    } catch (const InvalidInput& error) {
+      add_at(given.location, error, issues);
+    }
+  issues.raise();
+  return all;
+}
+
+// 1. Evaluate the residual of the last continuation step with its Jacobian at the initial values. Each parameter must
+//    have an effect.
+// 2. Search by the plan's method: CMA-ES, Gauss-Newton from several starts, or from one start with continuation and
+//    checkpoint.
+// 3. Evaluate at the end point for the statistics: covariance, identifiability, and each comparison before and after.
+UpdatingOutcome run_updating(const Study& study, const StudyResults& results, const RunOptions& options,
+                             std::string& failure) {
+  const Stopwatch watch;
+  const UpdatingPlan& plan = *study.updating_plan;
+  const Parameters& parameters = study.updating->parameters;
+  const std::vector<ComparisonResidual> comparisons = all_comparisons(study, results);
+  const ResidualSum residual = sum_of(comparisons, continuation_steps_of(comparisons) - 1);
+  UpdatingOutcome updating;
+  updating.values = initial_values(parameters);
+  const auto first = residual.evaluate(updating.values, true);
+  if (!first) {
+    failure = failure_at_first_values(study, comparisons);
+    return updating;
+  }
+  require_effects(study, first->jacobian);
+  updating.residual_initial = rms_of(0.5 * first->values.squaredNorm(), residual.size());
+  if (plan.check_sensitivities)
+    updating.sensitivities = check_sensitivities(residual, parameters, updating.values, check_options(comparisons));
+
+  LastResidual last = plan.method == UpdatingMethod::evolution ? search_by_evolution(study, residual, updating)
+                      : plan.starts > 1                        ? search_from_many_starts(study, comparisons, updating)
+                                        : search_from_one_start(study, comparisons, *first, options, updating);
+  explain_end(study, comparisons, residual, updating);
+  if (!last || last->jacobian.size() == 0) last = residual.evaluate(updating.values, true);
+  if (last) updating.residual_final = rms_of(0.5 * last->values.squaredNorm(), residual.size());
+  failure = unusable(updating, last);
+  if (failure.empty()) {
+    updating.statistics = parameter_statistics(parameters, updating.values, *last);
+    updating.robust = robust_statistics(parameters, *last, blocks_of(comparisons), updating.statistics);
+    updating.remarks = parameter_findings(parameters, updating.values, updating.statistics);
+    compare(study, comparisons, *first, *last, updating);
+  }
+  updating.seconds = watch.seconds();
+  return updating;
+}
+
+void check_first_values(const Study& study) {
+  const auto first = first_values_without_record(study, study.updating_plan->comparisons);
+  if (first && study.updating_plan->record_comparisons.empty()) require_effects(study, first->jacobian);
+}
+
+}  // namespace kalfem

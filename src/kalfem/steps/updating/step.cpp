@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kalfem/identification/filter_run.hpp"
+#include "kalfem/steps/run_step.hpp"
+#include "kalfem/steps/updating/checkpoint.hpp"
+#include "kalfem/steps/updating/compute.hpp"
+#include "kalfem/steps/updating/report.hpp"
+
+namespace kalfem {
+namespace {
+
+/// Final estimates of the filter's unknowns before the updating.
+Eigen::VectorXd unknowns_at_start(const Study& study, const StudyResults& results) {
+  const auto before = estimate_record(study.problem, *study.augmented_model, record_of(study, results));
+  return before.result.failure ? Eigen::VectorXd() : Eigen::VectorXd(before.result.unknowns.mean.rightCols(1));
+}
+
+/// The updated structure for what comes after, and the filter's model of it.
+void hand_on(const Study& study, const UpdatingOutcome& outcome, RunContext& context) {
+  context.updated = study.updating_plan->structure->at(outcome.values).parts;
+  IssueList issues;
+  context.augmented_model = make_augmented_model_setup(*study.problem, *context.updated,
+                                                       present_values(*study.updating, outcome.values), issues);
+  issues.raise();
+}
+
+void update(RunContext& context) {
+  const Study& study = context.study;
+  auto& results = context.results;
+  auto& outcome = results.put(run_updating(study, results, context.options_of("update"), results.failure));
+  if (!study.augmented_model || !results.complete()) return;
+  outcome.unknowns_before = unknowns_at_start(study, results);
+  hand_on(study, outcome, context);
+}
+
+/// Every iteration: the residual, the parameters tried, the parameters accepted last. Then the compared responses.
+void write_updating(SeriesWriter& file, const Study& study, const UpdatingOutcome& outcome) {
+  const auto iterations = static_cast<Eigen::Index>(outcome.trace.size());
+  const auto column = [&](const auto& value) {
+    Eigen::VectorXd values(iterations);
+    for (Eigen::Index k = 0; k < iterations; ++k) values[k] = value(outcome.trace[static_cast<std::size_t>(k)]);
+    return values;
+  };
+  file.write_column("/updating/residual", column([](const auto& step) { return step.residual; }), "-");
+  file.write_column("/updating/accepted", column([](const auto& step) { return step.accepted ? 1.0 : 0.0; }), "-");
+  for (std::size_t i = 0; i < study.updating->parameters.size(); ++i) {
+    const auto& parameter = study.updating->parameters[i];
+    const auto index = static_cast<Eigen::Index>(i);
+    const std::string name = "/updating/parameters/" + parameter.name;
+    file.write_column(name, column([&](const auto& step) { return step.parameters[index]; }), parameter.unit);
+    file.write_column(name + "_tried", column([&](const auto& step) { return step.tried[index]; }), parameter.unit);
+  }
+  for (const auto& comparison : outcome.comparisons)
+    for (std::size_t i = 0; i < comparison.responses.size(); ++i) {
+      const auto& curve = comparison.responses[i];
+      const std::string group = "/updating/responses/" + comparison.name + "/" + std::to_string(i + 1);
+      file.write_column(group + "/frequency", curve.lines, "Hz");
+      for (const auto& [name, values] :
+           {std::pair{"measured", &curve.measured}, {"before", &curve.before}, {"after", &curve.after}}) {
+        file.write_column(group + "/" + name, values->cwiseAbs(), curve.unit);
+        if (!curve.magnitudes_only) file.write_column(group + "/" + name + "_phase", values->cwiseArg(), "rad");
+      }
+      if (curve.coherence.size() > 0) file.write_column(group + "/coherence", curve.coherence, "-");
+    }
+}
+
+}  // namespace
+
+RunStep updating_step() {
+  return {.name = "update",
+          .meaning = "update the linear substructures from measurements, running the steps this needs",
+          .asked_for = [](const Study& study) { return study.updating.has_value(); },
+          .with = {"predict"},
+          .phases =
+              [](const Study&) {
+                return std::vector<PlannedStep>{{"update", 6.0}};
+              },
+          .run = &update,
+          .checkpoint = {.file = checkpoint_name},
+          .ran = &has_outcome<UpdatingOutcome>,
+          .seconds = &seconds_of<UpdatingOutcome>,
+          .summarise =
+              [](const Study& study, const StudyResults& results, nlohmann::ordered_json& summary) {
+                summary["updating"] = updating_summary(study, results.get<UpdatingOutcome>());
+              },
+          .tell = &console_updating,
+          .answer = [](const Study&,
+                       const StudyResults& results) { return updating_answer(results.get<UpdatingOutcome>()); },
+          .sections = [](const Study& study, const StudyResults& results) -> std::vector<PlacedSection> {
+            return {{PagePlace::updating, updating_section(study, results)}};
+          },
+          .visit = [](const Study& study, const StudyResults& results,
+                      SeriesWriter& file) { write_updating(file, study, results.get<UpdatingOutcome>()); }};
+}
+
+}  // namespace kalfem
