@@ -76,6 +76,9 @@ ExitCode sweep(const SweepArguments& arguments) {
     return done;
   }
   SweepFolder& folder = *own_folder;
+  for (const int line : folder.damaged_lines())
+    print_error("{}:{}: the line is not what was written: the run is made again\n", (place / "runs.jsonl").string(),
+                line);
   if (!folder.known().empty())
     print("{} of {} runs are known from {}\n", folder.known().size(), sweep.plan().size(),
           (place / "runs.jsonl").string());

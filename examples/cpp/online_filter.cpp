@@ -35,7 +35,7 @@ int main() try {
   Structure model = two_masses(2e8).force("shaker", "table.b");  // its force is told sample by sample
   OnlineFilter filter(model, rate, {.sensors = sensors, .unknowns = {{"stop.k3", {.std = 2e8}}}});
   filter.update(live.values.col(0));
-  for (Eigen::Index k = 1; k < live.samples() && filter.usable(); ++k) {
+  for (Eigen::Index k = 1; k < live.samples() && filter.running(); ++k) {
     filter.predict({{.value = force[k]}});
     filter.update(live.values.col(k));
     if (k % 300 == 0)

@@ -14,10 +14,9 @@ std::string in_python(const std::string& text) {
   std::string words = std::regex_replace(text, place, "$1['$2']");
   if (words.starts_with("unknowns")) words.erase(7, 1);
   words = std::regex_replace(words, member, "$1.");
-  for (const std::string name : {"OnlineFilter", "LiveFilter"})
-    for (auto at = words.find(name); at != std::string::npos; at = words.find(name))
-      words.replace(at, name.size(), "Filter");
-  return words;
+  static const std::regex online(R"(\b(an OnlineFilter|a LiveFilter)\b)"), filter(R"(\b(Online|Live)Filter\b)");
+  words = std::regex_replace(words, online, "a Filter");
+  return std::regex_replace(words, filter, "Filter");
 }
 
 /// Raises kalfem.InvalidInput with every issue.

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
 #include "calls.hpp"
+#include "kalfem/base/units.hpp"
 #include "options.hpp"
 #include "records.hpp"
 #include "results.hpp"
+#include "sensors.hpp"
 #include "structure.hpp"
 
 namespace kalfem::python {
@@ -98,13 +102,33 @@ py::dict datasets_of(EstimateResult& result, const Record& record, const std::ve
   return all;
 }
 
+/// Times in milliseconds look like seconds. They are too far apart for any mode of the structure.
+void refuse_milliseconds(const Structure& structure, const TimeGrid& grid) {
+  constexpr double slow = 20.0;  // [Hz]: of milliseconds, a rate of 20 kHz
+  if (grid.sample_rate > slow) return;
+  double lowest = 0.0;
+  try {
+    for (const double frequency : modes(structure, 10).frequencies)
+      if (frequency > 0.0 && (lowest == 0.0 || frequency < lowest)) lowest = frequency;
+  } catch (const InvalidInput&) {
+    return;  // whoever estimates says what is wrong with the structure
+  }
+  if (lowest > 0.5 * grid.sample_rate)
+    throw InvalidInput("t: its steps are " + shortest(1.0 / grid.sample_rate) +
+                           " s, but the structure's lowest natural frequency is " +
+                           shortest(std::round(10.0 * lowest) / 10.0) + " Hz",
+                       "so slow a record shows no vibration: t looks like milliseconds", "give t in seconds, t / 1000");
+}
+
 py::tuple estimate_record(const Structure& structure, const py::object& t, const py::object& y, const py::dict& inputs,
                           const py::dict& arguments, const py::object& progress) {
   EstimateOptions options = options_of(structure, arguments);
   std::vector<std::string> names;
   for (const auto& sensor : options.sensors) names.push_back(sensor.name);
   const TimeGrid grid = grid_of(t);
+  refuse_milliseconds(structure, grid);
   const Record record = record_of(grid, y, names);
+  set_relative_noise(arguments["sensors"], record, options.sensors);
   options.deviation_stride = std::max(1, static_cast<int>(std::lround(grid.sample_rate / deviations_per_second)));
   const Structure moved = driven(structure, inputs, grid.start, grid.sample_rate, grid.samples);
   auto result = long_call(structure, progress, [&](const Progress& report) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calls.hpp"
 #include "options.hpp"
+#include "results.hpp"
+#include "sensors.hpp"
 #include "structure.hpp"
 
 namespace kalfem::python {
@@ -20,7 +22,7 @@ auto without_gil(const Work& work) {
 class PythonFilter {
 public:
   PythonFilter(const Structure& structure, double sample_rate, const EstimateOptions& options, const LiveOptions& live)
-      : structure_(structure), live_([&] {
+      : structure_(structure), sample_rate_(sample_rate), live_([&] {
           const py::gil_scoped_release released;
           return LiveFilter(structure, sample_rate, options, live);
         }()) {
@@ -90,8 +92,14 @@ public:
   }
 
   Index flush() {
-    require(Mode::blocks);
-    return without_gil([&] { return live_.flush(); });
+    const Index taken = without_gil([&] {
+      if (mode_ != Mode::steps) return live_.flush();
+      const double before = filter().time();
+      filter().finish();
+      return static_cast<Index>(std::llround((filter().time() - before) * sample_rate_));
+    });
+    raise_of_laws(structure_);
+    return taken;
   }
 
   py::tuple state(const std::string& name) {
@@ -174,6 +182,7 @@ private:
   }
 
   Structure structure_;
+  double sample_rate_;  ///< [Hz]
   LiveFilter live_;
   std::vector<std::string> sensors_, inputs_;
   VectorXd values_;
@@ -193,24 +202,32 @@ py::dict parameters_of(PythonFilter& self) {
   return all;
 }
 
+py::tuple consistency_of(PythonFilter& self) {
+  const auto found = self.filter().consistency();
+  return py::make_tuple(found.mean_nis, found.expected_nis, found.fraction_in_95);
+}
+
 }  // namespace
 
 void bind_filter(py::module_& module) {
   py::class_<PythonFilter>(module, "Filter", "A filter that is moved by its caller: see kalfem.Filter.")
       .def(py::init([](const Structure& structure, double sample_rate, const py::dict& arguments, double start,
-                       double horizon) {
-             return std::make_unique<PythonFilter>(structure, sample_rate, options_of(structure, arguments),
-                                                   LiveOptions{.start = start, .horizon = horizon});
+                       double horizon, int input_delay, int window) {
+             refuse_relative_noise(arguments["sensors"]);
+             const LiveOptions live{
+                 .start = start, .horizon = horizon, .filter = {.input_delay = input_delay, .window = window}};
+             return std::make_unique<PythonFilter>(structure, sample_rate, options_of(structure, arguments), live);
            }),
-           py::arg("structure"), py::arg("sample_rate"), py::arg("arguments"), py::arg("start"), py::arg("horizon"))
+           py::arg("structure"), py::arg("sample_rate"), py::arg("arguments"), py::arg("start"), py::arg("horizon"),
+           py::arg("input_delay"), py::arg("window"))
       .def("predict", &PythonFilter::predict, py::arg("u") = py::none(), R"(Move to the next sample.
 
 Parameters
 ----------
 u : array of shape (inputs,) or (inputs, 3), or dict, optional
     The inputs there, in the order in which the structure has them: their values, or value, rate and acceleration of
-    each. With values alone the rate of a moved ground is that from sample to sample. Left out: the structure's own
-    samples are used.
+    each. Values alone pass through a spline: the filter stays `input_delay` samples behind. Left out: the structure's
+    own samples are used.
 
 Returns
 -------
@@ -264,13 +281,20 @@ Notes
 The order in which channels and blocks come changes no bit, as long as none comes later than `horizon` behind another.
 What comes later still is dropped and counted in `dropped`.
 )")
-      .def("flush", &PythonFilter::flush, "Take all samples that any channel has, as if the horizon were over.")
+      .def("flush", &PythonFilter::flush,
+           R"(Take all samples that any channel has, and those that wait for later inputs.
+
+Returns
+-------
+int
+    How many there were.
+)")
       .def("state", &PythonFilter::state, py::arg("name"),
            "Mean and standard deviation of ``body.2.displacement``, ``body.2.velocity``, or an output.")
       .def("_parameters", &parameters_of)
       .def_property_readonly(
           "time", [](PythonFilter& self) { return self.filter().time(); },
-          "Of the present sample, the first one at 0 [s].")
+          "Of the sample at which the filter stands, the first one at 0 [s].")
       .def_property_readonly(
           "innovation", [](PythonFilter& self) { return VectorXd(self.filter().innovation()); },
           "Measured minus predicted of the last update, shape (sensors,).")
@@ -285,7 +309,13 @@ What comes later still is dropped and counted in `dropped`.
             return py::str("the filter stopped at " + std::to_string(failure->time) + " s: " + failure->reason);
           },
           "When and why it stopped; None while it goes on.")
-      .def_property_readonly("usable", [](PythonFilter& self) { return self.filter().usable(); })
+      .def_property_readonly(
+          "running", [](PythonFilter& self) { return self.filter().running(); }, "Whether it has not stopped.")
+      .def_property_readonly(
+          "usable", [](PythonFilter& self) { return self.filter().usable(); },
+          "Whether its numbers can be relied on: it is running, and its verdict is not unusable.")
+      .def("_verdict", [](PythonFilter& self) { return summary_of(self.filter().verdict()); })
+      .def("_consistency", &consistency_of)
       .def_property_readonly(
           "samples", [](const PythonFilter& self) { return self.live().samples(); },
           "Samples that push() has moved it by.")

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cctype>
 #include <limits>
 #include <mutex>
 
@@ -113,14 +115,36 @@ void raise_of_laws(const Structure& structure) {
       if (const auto raised = law->take_raised()) std::rethrow_exception(raised);
 }
 
+/// A word is the name of a law, and no formula: it has a letter, and nothing that a formula computes with.
+bool is_word(const std::string& text) {
+  const auto of_name = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' || c == ' ';
+  };
+  return std::ranges::all_of(text, of_name) &&
+         std::ranges::any_of(text, [](char c) { return std::isalpha(static_cast<unsigned char>(c)); });
+}
+
+void refuse_unknown_name(const std::string& text) {
+  std::vector<std::string> known;
+  for (const auto& law : law_library()) known.push_back(law.name);
+  std::string name = text;
+  std::ranges::replace_if(
+      name, [](char c) { return c == '-' || c == ' '; }, '_');
+  const std::string hint = did_you_mean(name, known);
+  if (is_word(text) && !hint.empty())
+    throw InvalidInput("law: there is no law '" + text + "'" + hint, "it is no formula of x and v either",
+                       "kf.laws() lists the library's laws");
+}
+
 Law law_of(const py::object& given, const NamedValues& values) {
   if (py::isinstance<py::str>(given)) {
     const auto text = given.cast<std::string>();
+    if (!is_in_library(text)) refuse_unknown_name(text);
     return is_in_library(text) ? law(text, values) : expression(with_powers(text), values);
   }
   if (py::isinstance<py::function>(given) || PyCallable_Check(given.ptr()) != 0)
     return python_law(py::reinterpret_borrow<py::function>(given), values);
-  throw InvalidInput("law: a " + std::string(py::str(py::type::of(given).attr("__name__"))) + " is given",
+  throw InvalidInput("law: " + std::string(py::str(py::repr(given))) + " is given",
                      "a law is the name of one of the library's, a formula or a function",
                      "write law=\"cubic\", law=\"k*x + c*v\" or law=f");
 }

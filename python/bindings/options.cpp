@@ -15,14 +15,6 @@ double parameter_value(const py::handle& given, const Structure& structure, cons
   return number_of(given, text ? structure.unit(name) : "", argument);
 }
 
-/// 0.5 of "50 %"; nothing where the text is no percentage.
-std::optional<double> percentage_of(const py::handle& given) {
-  if (!py::isinstance<py::str>(given)) return std::nullopt;
-  const auto text = given.cast<std::string>();
-  if (text.empty() || text.back() != '%') return std::nullopt;
-  return parse_quantity(text).value;
-}
-
 /// Reads the value of one entry of `unknown`.
 class PriorReader {
 public:
@@ -143,10 +135,27 @@ std::vector<std::pair<std::string, PointPrior>> initial_state_of(const py::dict&
   return all;
 }
 
+template <class T>
+const char* words_for() {
+  if constexpr (std::is_same_v<T, bool>) return "True or False";
+  if constexpr (std::is_same_v<T, std::string>) return "a text";
+  if constexpr (std::is_same_v<T, double>) return "a number";
+  return "a whole number";
+}
+
+/// An argument of another type is refused by its name.
+template <class T>
+T cast_of(const py::handle& given, const char* argument) try {
+  return given.cast<T>();
+} catch (const py::cast_error&) {
+  throw InvalidInput(std::string(argument) + ": " + std::string(py::str(py::repr(given))) + " is given",
+                     std::string(words_for<T>()) + " is needed", "");
+}
+
 /// "none", "full" or a number; nothing for None.
 std::optional<double> second_thoughts_of(const py::handle& given) {
   if (given.is_none()) return std::nullopt;
-  if (!py::isinstance<py::str>(given)) return given.cast<double>();
+  if (!py::isinstance<py::str>(given)) return cast_of<double>(given, "second_thoughts");
   const auto word = given.cast<std::string>();
   if (word == "none") return 0.0;
   if (word == "full") return std::numeric_limits<double>::infinity();
@@ -158,13 +167,12 @@ std::optional<double> second_thoughts_of(const py::handle& given) {
 EstimateOptions options_of(const Structure& structure, const py::dict& arguments) {
   EstimateOptions options;
   const auto take = [&](const char* name, auto& member) {
-    using Member = std::decay_t<decltype(member)>;
-    if (arguments.contains(name)) member = arguments[name].cast<Member>();
+    if (arguments.contains(name)) member = cast_of<std::decay_t<decltype(member)>>(arguments[name], name);
   };
   options.sensors = sensors_of(arguments["sensors"]);
   options.unknowns = unknowns_of(structure, arguments["unknown"]);
   options.outputs = outputs_of(arguments["outputs"]);
-  options.filter = filter_named(arguments["filter"].cast<std::string>());
+  options.filter = filter_named(cast_of<std::string>(arguments["filter"], "filter"));
   options.initial_state = initial_state_of(arguments["initial_state"]);
   options.process_noise = number_of(arguments["process_noise"], "m/s^2/sqrt(Hz)", "process_noise");
   take("substeps", options.substeps);

@@ -22,7 +22,9 @@ template <ObservedQuantity quantity>
 Observation observe(const py::object& at, const py::object& noise, bool relative, const std::vector<ChainPart>& chain) {
   Observation made;
   made.output = {"", quantity, points_of(at), relative};
-  made.noise = number_of(noise, unit_of(quantity), "noise");
+  const auto percentage = percentage_of(noise);
+  made.relative_noise = percentage.has_value();
+  made.noise = percentage ? *percentage : number_of(noise, unit_of(quantity), "noise");
   for (const auto& part : chain) made.chain.sections.push_back(part.section);
   return made;
 }
@@ -30,7 +32,7 @@ Observation observe(const py::object& at, const py::object& noise, bool relative
 const Observation& observation_of(const py::handle& given, const std::string& argument) {
   if (!py::isinstance<Observation>(given))
     throw InvalidInput(
-        argument + ": a " + std::string(py::str(py::type::of(given).attr("__name__"))) + " is given",
+        argument + ": " + std::string(py::str(py::repr(given))) + " is given",
         "a sensor is made by acceleration(), velocity(), displacement(), strain(), force(), deformation() or rate()",
         "write kf.acceleration(\"body.3\", noise=0.3)");
   return given.cast<const Observation&>();
@@ -52,7 +54,8 @@ Parameters
 at : str or dict of str to float
     A point, ``"body.3"``, or points with weights.
 noise : float or str
-    Standard deviation of its white noise [{unit}]; a filter needs it > 0. A text may have a unit.
+    Standard deviation of its white noise [{unit}]; a filter needs it > 0. A text may have a unit, or be a percentage of
+    the channel's rms.
 relative : bool
     Without the motion of grounds that ``base_acceleration`` accelerates.
 chain : list
@@ -68,6 +71,13 @@ void define(py::module_& module, const char* name, const std::string& meaning) {
 }
 
 }  // namespace
+
+std::optional<double> percentage_of(const py::handle& given) {
+  if (!py::isinstance<py::str>(given)) return std::nullopt;
+  const auto text = given.cast<std::string>();
+  if (text.empty() || text.back() != '%') return std::nullopt;
+  return parse_quantity(text).value;
+}
 
 double number_of(const py::handle& given, const std::string& unit, const std::string& argument) {
   try {
@@ -88,10 +98,29 @@ std::vector<SensorDescription> sensors_of(const py::dict& sensors) {
   std::vector<SensorDescription> all;
   for (const auto& [name, given] : sensors) {
     const auto key = name.cast<std::string>();
-    const auto& [output, noise, chain] = observation_of(given, entry_of("sensors", key));
-    all.push_back({key, output, noise, chain});
+    const auto& [output, noise, chain, relative] = observation_of(given, entry_of("sensors", key));
+    all.push_back({key, output, relative ? 0.0 : noise, chain});
   }
   return all;
+}
+
+void set_relative_noise(const py::dict& sensors, const Record& record, std::vector<SensorDescription>& all) {
+  for (Eigen::Index i = 0; const auto& [name, given] : sensors) {
+    const auto& observation = given.cast<const Observation&>();
+    if (observation.relative_noise)
+      all[static_cast<std::size_t>(i)].noise = observation.noise * rms_of_present(record.values.row(i).transpose());
+    ++i;
+  }
+}
+
+void refuse_relative_noise(const py::dict& sensors) {
+  IssueList issues;
+  for (const auto& [name, given] : sensors)
+    if (const auto& observation = given.cast<const Observation&>(); observation.relative_noise)
+      issues.add({}, entry_of("sensors", name.cast<std::string>()) + ": its noise is a percentage of the channel's rms",
+                 "a Filter does not know the channel before it comes",
+                 "give its standard deviation in " + unit_of(observation.output.quantity));
+  issues.raise();
 }
 
 std::vector<OutputRequest> outputs_of(const py::dict& outputs) {
@@ -106,8 +135,12 @@ std::vector<OutputRequest> outputs_of(const py::dict& outputs) {
 void bind_sensors(py::module_& module) {
   py::class_<Observation>(module, "Sensor", "What a sensor measures, and its noise. Made by acceleration() and so on.")
       .def_property_readonly(
-          "noise", [](const Observation& self) { return self.noise; },
-          "Standard deviation of its white noise [its unit].")
+          "noise",
+          [](const Observation& self) -> py::object {
+            if (self.relative_noise) return py::str(shortest(100.0 * self.noise) + " %");
+            return py::float_(self.noise);
+          },
+          "Standard deviation of its white noise [its unit], or a percentage of the channel's rms.")
       .def_property_readonly(
           "unit", [](const Observation& self) { return unit_of(self.output.quantity); }, "SI unit.")
       .def_property_readonly(

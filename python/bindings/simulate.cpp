@@ -13,13 +13,16 @@ py::tuple simulate_structure(const Structure& structure, double duration, double
                              const py::object& progress) {
   SimulateOptions options{
       .sensors = sensors_of(sensors), .duration = duration, .sample_rate = sample_rate, .tolerance = tolerance};
-  if (!seed.is_none()) options.seed = seed.cast<std::uint64_t>();
   const auto samples = static_cast<Eigen::Index>(std::llround(duration * sample_rate)) + 1;
   const Structure moved = driven(structure, inputs, 0.0, sample_rate, samples);
-  const auto [record, failure] = long_call(structure, progress, [&](const Progress& report) {
+  auto [record, failure] = long_call(structure, progress, [&](const Progress& report) {
     options.progress = report;
     return simulate(moved, options);
   });
+  if (!seed.is_none() && !failure) {
+    set_relative_noise(sensors, record, options.sensors);
+    add_noise(options.sensors, seed.cast<std::uint64_t>(), record);
+  }
   Datasets data;
   data.add("time", times_of(record), "s", sample_rate);
   for (std::size_t i = 0; i < record.channels.size(); ++i)

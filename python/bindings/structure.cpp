@@ -129,6 +129,17 @@ void bind_inputs(py::class_<Structure>& structure) {
           py::arg("sample_rate") = py::none(), py::arg("start") = 0.0, internal,
           "Move a ground, ``wheel.ground``, by a known displacement [m]: samples now, or `inputs` of the call later.")
       .def(
+          "base_velocity",
+          [](Structure& self, const std::string& name, const std::string& ground, const py::object& values,
+             const py::object& rate, double start) -> Structure& {
+            return add_input(values, rate, start, name, [&](const Samples* samples) -> Structure& {
+              return samples ? self.base_velocity(name, ground, *samples) : self.base_velocity(name, ground);
+            });
+          },
+          py::arg("name"), py::arg("ground"), py::arg("values") = py::none(), py::kw_only(),
+          py::arg("sample_rate") = py::none(), py::arg("start") = 0.0, internal,
+          "Move a ground by its velocity [m/s], as a geophone measures it: the integral, without its drift.")
+      .def(
           "base_acceleration",
           [](Structure& self, const std::string& name, const py::object& values, const py::object& rate,
              double start) -> Structure& {
@@ -152,7 +163,7 @@ void bind_inputs(py::class_<Structure>& structure) {
 }
 
 std::string in_words(const Structure& structure) {
-  const auto& [parts, elements, signals] = structure.description();
+  const auto& [parts, elements, signals, by_velocity] = structure.description();
   std::string words = "<kalfem.Structure of";
   for (const auto& part : parts.substructures) words += " " + part.name;
   for (const auto& part : elements) words += " " + part.name();
@@ -164,7 +175,7 @@ std::string in_words(const Structure& structure) {
 
 /// What a table of the structure shows.
 py::dict contents_of(const Structure& structure) {
-  const auto& [parts, elements, signals] = structure.description();
+  const auto& [parts, elements, signals, by_velocity] = structure.description();
   py::list substructures, connectors, inputs;
   for (const auto& part : parts.substructures)
     substructures.append(py::make_tuple(part.name, "lumped", dofs_of(part).size()));
@@ -178,7 +189,10 @@ py::dict contents_of(const Structure& structure) {
           py::make_tuple(connector.parameters[static_cast<Index>(i)], parameters[i].unit);
     connectors.append(py::make_tuple(connector.name, connector.from, connector.to, connector.law->name(), values));
   }
-  for (const auto& input : parts.inputs) inputs.append(py::make_tuple(input.name, unit_of(input.kind), input.target));
+  for (const auto& input : parts.inputs) {
+    const bool of_velocity = std::ranges::find(by_velocity, input.name) != by_velocity.end();
+    inputs.append(py::make_tuple(input.name, of_velocity ? "m/s" : unit_of(input.kind), input.target));
+  }
   py::dict all;
   all["substructures"] = substructures;
   all["connectors"] = connectors;

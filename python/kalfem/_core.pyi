@@ -124,6 +124,15 @@ class Structure:
         sample_rate: float | None = None,
         start: float = 0.0,
     ) -> Structure: ...
+    def base_velocity(
+        self,
+        name: str,
+        ground: str,
+        values: ArrayLike | None = None,
+        *,
+        sample_rate: float | None = None,
+        start: float = 0.0,
+    ) -> Structure: ...
     def base_acceleration(
         self, name: str, values: ArrayLike | None = None, *, sample_rate: float | None = None, start: float = 0.0
     ) -> Structure: ...
@@ -148,7 +157,14 @@ class Structure:
 
 class Filter:
     def __init__(
-        self, structure: Structure, sample_rate: float, arguments: dict[str, Any], start: float, horizon: float
+        self,
+        structure: Structure,
+        sample_rate: float,
+        arguments: dict[str, Any],
+        start: float,
+        horizon: float,
+        input_delay: int,
+        window: int,
     ) -> None: ...
     def predict(self, u: Any = None) -> bool: ...
     def update(self, y: Any) -> bool: ...
@@ -167,7 +183,11 @@ class Filter:
     @property
     def failure(self) -> str | None: ...
     @property
+    def running(self) -> bool: ...
+    @property
     def usable(self) -> bool: ...
+    def _verdict(self) -> dict[str, Any]: ...
+    def _consistency(self) -> tuple[float, float, float]: ...
     @property
     def samples(self) -> int: ...
     @property

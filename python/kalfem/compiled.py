@@ -33,4 +33,8 @@ except ImportError as error:
         f"the compiled part of kalfem cannot be loaded ({error}): build it by scripts/python, or install its wheel"
     ) from error
 
+from .arguments import name_arguments
+
+name_arguments(core)
+
 __all__ = ["core"]

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .compiled import core
-from .parameters import Parameter, Parameters
+from .parameters import Parameter, Parameters, Verdict
 
 if TYPE_CHECKING:
     from ._core import Sensor, Structure
@@ -20,6 +20,14 @@ class Estimate(NamedTuple):
     std: float
 
 
+class Consistency(NamedTuple):
+    """Normalised innovations squared (NIS) of a window of samples."""
+
+    mean_nis: float
+    expected_nis: float
+    fraction_in_95: float
+
+
 class Filter(core.Filter):
     """A filter over samples as they come.
 
@@ -30,17 +38,24 @@ class Filter(core.Filter):
     sample_rate : float
         [Hz].
     sensors, unknown, outputs, filter, initial_state, process_noise, substeps, threads
-        As :func:`kalfem.estimate` has them; `substeps` is 4 if it is not given.
+        As :func:`kalfem.estimate` has them; `substeps` is 8 if it is not given.
     start : float
         Time of the first sample of `push` [s].
     horizon : float
         By so much later than another channel a channel of `push` may come [s].
+    input_delay : int
+        Samples by which the filter stays behind inputs that come as values: their spline needs later ones, as the
+        motion of a ground acts through its velocity. 0: no delay, and straight lines between the samples, which biases
+        the estimates.
+    window : int
+        Latest samples by which `usable` and `verdict` judge.
 
     Notes
     -----
     Either step by step, ``update(y)`` for the first sample, then ``predict(u)`` and ``update(y)`` for each further one;
-    or by blocks, ``push(name, t, values)``. The estimates after a block are those at its last sample that every channel
-    has: `samples` counts them.
+    or by blocks, ``push(name, t, values)``. Sensors and inputs of one instant have the same time. The estimates after a
+    block are those `input_delay` samples before the last one that every channel has: `samples` counts these, and `time`
+    says where the filter stands. `flush` takes what waits.
 
     Examples
     --------
@@ -70,6 +85,8 @@ class Filter(core.Filter):
         threads: int = 0,
         start: float = 0.0,
         horizon: float = 10.0,
+        input_delay: int = 8,
+        window: int = 2000,
     ):
         arguments = {
             "sensors": dict(sensors),
@@ -81,11 +98,21 @@ class Filter(core.Filter):
             "substeps": substeps,
             "threads": threads,
         }
-        super().__init__(structure, sample_rate, arguments, start, horizon)
+        super().__init__(structure, sample_rate, arguments, start, horizon, input_delay, window)
 
     def state(self, name: str) -> Estimate:
         """Mean and standard deviation now of ``body.2.displacement``, ``body.2.velocity``, or an output."""
         return Estimate(*super().state(name))
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether the innovations of the window are as large as expected and white, by :func:`kalfem.estimate`'s rules."""
+        return Verdict.from_summary(self._verdict())
+
+    @property
+    def consistency(self) -> Consistency:
+        """Mean NIS of the window beside the expected one, and the part of its samples in the 95 % band."""
+        return Consistency(*self._consistency())
 
     @property
     def parameters(self) -> Parameters:

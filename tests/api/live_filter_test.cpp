@@ -64,6 +64,7 @@ TEST(LiveFilter, IsTheOnlineFilterOfTheSameSamples) {
     ASSERT_TRUE(filter.predict_values(VectorXd::Constant(1, input[k])));
     ASSERT_TRUE(filter.update(Eigen::Vector2d(a3[k], a5[k])));
   }
+  ASSERT_TRUE(filter.finish());
   const auto found = after(blocks_of(100));
   EXPECT_EQ(found[0], static_cast<double>(a3.size()));
   EXPECT_EQ(found[1], filter.parameter("suspension.mu_k1").mean);

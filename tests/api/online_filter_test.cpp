@@ -9,7 +9,7 @@ using testing::HasSubstr;
 const EstimateOptions options{.sensors = chain_sensors(),
                               .unknowns = {{"suspension.mu_k1", {.initial = 10.0, .std = 5.0}}},
                               .outputs = {{"force", connector_force("suspension")}},
-                              .substeps = 4};  // which an OnlineFilter takes by itself
+                              .substeps = 8};  // which an OnlineFilter takes by itself
 
 TEST(OnlineFilter, GivesWhatAWholeRunOverTheRecordGives) {
   Record record = chain_record();

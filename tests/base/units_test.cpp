@@ -113,6 +113,9 @@ TEST(Units, SiUnitReadsBack) {
 /// Standard gravity, 9.80665 m/s^2 (CGPM 1901).
 TEST(Units, GBesideAnAccelerationIsStandardGravity) {
   EXPECT_DOUBLE_EQ(parse_unit_as("g", "m/s^2").factor, 9.80665);
+  EXPECT_DOUBLE_EQ(to_si("0.02 g", "m/s^2"), 0.02 * 9.80665);
+  EXPECT_DOUBLE_EQ(to_si(" +3e-1 mg ", "m/s^2"), 3e-4 * 9.80665);
+  EXPECT_NE(message([&] { to_si("0.02 kg", "m/s^2"); }), "");
   EXPECT_DOUBLE_EQ(parse_unit_as(" G", "m/s^2").factor, 9.80665);
   EXPECT_DOUBLE_EQ(parse_unit_as("mg", "m/s^2").factor, 9.80665e-3);
   EXPECT_DOUBLE_EQ(parse_unit_as("g0", "m/s^2").factor, 9.80665);

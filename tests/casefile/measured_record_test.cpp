@@ -82,6 +82,29 @@ TEST_F(MeasuredRecords, AnExcitationMayMissNothing) {
   expect_in(refused, {"record.csv:103: ", "excitation.F: column 'F' is empty"});
 }
 
+TEST_F(MeasuredRecords, ThatMoveFastForTheirRateSaySo) {
+  const auto fast = [](double t) { return std::sin(2.0 * std::numbers::pi * 0.4 * rate * t); };
+  write_record({{"F", [&](double t) { return std::to_string(force(t) + 20.0 * fast(t)); }},
+                {"x", written(displacement)},
+                {"a", [&](double t) { return std::to_string(acceleration(t) + 3.0 * fast(t)); }}});
+  std::string told;
+  for (const auto& words : load().record->preparation) told += words + "\n";
+  expect_in(told, {"excitation 'F': ",
+                   "% of its variance lies above 25 Hz, a quarter of its sampling rate; interpolated "
+                   "as a band-limited signal",
+                   "a: without its noise, "});
+  EXPECT_EQ(told.find("x: "), std::string::npos) << told;
+  write_record(si_columns());
+  for (const auto& words : load().record->preparation) EXPECT_EQ(words.find("quarter"), std::string::npos) << words;
+}
+
+TEST_F(MeasuredRecords, AnInputThatEndsTooEarlySaysByHowMuch) {
+  write_record(si_columns());
+  std::ofstream(folder_ / "force.csv") << table({{"F", written(force)}}, 3.99);
+  expect_in(errors({{"F: {force: s.m, file: record.csv", "F: {force: s.m, file: force.csv"}}),
+            {"the input ends at 3.99 s, 10 ms before 4 s, where it is needed"});
+}
+
 TEST_F(MeasuredRecords, AChannelWithoutANumberIsRefusedByItsName) {
   write_with(written(displacement), [](double) { return "nan"; });
   const std::pair<std::string, std::string> skip{"{file: record.csv}\nest",

@@ -68,6 +68,18 @@ TEST_F(RecordUnits, OfTheCaseAreHonoured) {
   expect_si({{"x: {displacement: s.m, noise: 0.01 mm}", "x: {displacement: s.m, noise: 0.01 mm, unit: mm}"}});
 }
 
+TEST_F(RecordUnits, OfNoiseAreThoseOfTheSensor) {
+  write_titled("F", "x", "a");
+  const Study study = load({{a_, "a: {acceleration: s.m, noise: 0.02 g, offset: 3 mg}"}});
+  EXPECT_NEAR(study.sensors.at(1).noise, 0.02 * gravity, 1e-15);
+  EXPECT_NEAR(study.record->record.values(1, 0), acceleration(0.0) - 3e-3 * gravity, 5e-11);
+  // The resolved case says the same again.
+  EXPECT_EQ(study.resolved_case.find(" kg\n", study.resolved_case.find("noise")), std::string::npos);
+  EXPECT_NE(errors({{a_, "a: {acceleration: s.m, noise: 0.02 kg}"}}).find("0.02 kg given where m/s^2 is required"),
+            std::string::npos);
+  EXPECT_NE(errors({{"noise: 0.01 mm", "noise: 0.01 g"}}).find("given where m is required"), std::string::npos);
+}
+
 TEST_F(RecordUnits, OfAnotherQuantityAreRefused) {
   write_titled("F", "x", "a");
   for (const std::string unit : {"s", "kg", "mm", "'%'", "V", "rad"}) {

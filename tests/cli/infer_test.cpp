@@ -59,6 +59,7 @@ TEST_F(Infer, ContinuesAKilledRun) {
   const std::string text = oscillator + one_unknown + "infer: {samples: 400, predictions: 0, profile: c.k}\n";
   ASSERT_EQ(run(text).code, 0);
   const Json whole = inference()["parameters"], evidence = inference()["log_evidence"];
+  const Json identity = read_summary(folder_ / "out")["run"];
   std::filesystem::remove_all(folder_ / "out");
   const auto checkpoint = folder_ / "out" / "infer.checkpoint";
   const pid_t child =
@@ -74,6 +75,7 @@ TEST_F(Infer, ContinuesAKilledRun) {
   ASSERT_EQ(outcome.code, 0) << outcome.errors;
   EXPECT_EQ(inference()["parameters"], whole);
   EXPECT_EQ(inference()["log_evidence"], evidence);
+  EXPECT_EQ(read_summary(folder_ / "out")["run"], identity);
   EXPECT_GT(inference()["evaluations_from_earlier_run"].get<int>(), 50);
   EXPECT_FALSE(std::filesystem::exists(checkpoint));
 }

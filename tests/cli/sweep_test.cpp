@@ -74,6 +74,23 @@ TEST_F(SweepCommand, GoesOnWithWhatIsFinished) {
   EXPECT_EQ(read(log), whole);
 }
 
+// A bit that flips in a number leaves a line of JSON, which must not be believed.
+TEST_F(SweepCommand, MakesARunAgainWhoseLineIsDamaged) {
+  ASSERT_EQ(sweep("--seeds 3").code, 0);
+  const fs::path log = folder_ / "out" / "runs.jsonl";
+  const std::string whole = read(log);
+  std::string damaged = whole;
+  const std::size_t digit = damaged.find_first_of("123456789", damaged.find("\"estimate\":"));
+  ASSERT_NE(digit, std::string::npos);
+  damaged[digit] = static_cast<char>(damaged[digit] ^ 1);
+  std::ofstream(log) << damaged;
+  const auto outcome = sweep("--seeds 3");
+  EXPECT_EQ(outcome.code, 0) << outcome.errors;
+  EXPECT_NE(outcome.output.find("2 of 3 runs are known"), std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.errors.find("runs.jsonl:2: the line is not what was written"), std::string::npos) << outcome.errors;
+  EXPECT_EQ(read(log), whole);
+}
+
 TEST_F(SweepCommand, AnotherSweepBeginsAgain) {
   ASSERT_EQ(sweep("--seeds 2").code, 0);
   const auto outcome = sweep("--seeds 2 --set simulate.duration=0.6s");

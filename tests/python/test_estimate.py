@@ -112,11 +112,16 @@ def test_filters_by_name():
         (dict(unknown={"suspension.mu_k1": dict(mean=1.0)}), r"there is no entry 'mean'"),
         (dict(sensors={"a3": kf.acceleration("body.2")}), r"sensors\['a3'\]: its noise is 0"),
         (dict(sensors={"a4": kf.acceleration("body.2", noise=0.3)}), r"y: there is no channel 'a4'"),
-        (dict(sensors={"a3": "body.2"}), r"sensors\['a3'\]: a str is given"),
+        (dict(sensors={"a3": "body.2"}), r"sensors\['a3'\]: 'body.2' is given"),
         (dict(sensors={}), "sensors: the list is empty"),
         (dict(inputs={}), "input 'road' has no signal"),
         (dict(inputs={"rod": np.zeros(1001)}), r"inputs\['rod'\]: there is no input 'rod' \(did you mean 'road'"),
         (dict(inputs={"road": np.zeros(5)}), r"inputs\['road'\]: 5 samples, t has 1001"),
+        (dict(filter=3), "filter: 3 is given: a text is needed"),
+        (dict(substeps="many"), "substeps: 'many' is given: a whole number is needed"),
+        (dict(passes=None), "passes: None is given"),
+        (dict(settle="1 s"), "settle: '1 s' is given: a number is needed"),
+        (dict(y={"a3": np.full(1001, np.nan), "a5": np.zeros(1001)}), r"sensors\['a3'\]: its channel has no number"),
         (dict(filter="ufk"), "filter: there is no filter 'ufk'"),
         (dict(y=np.zeros((1001, 3))), r"y: an array of shape \(1001, 3\)"),
         (dict(y={"a3": np.zeros(7), "a5": np.zeros(1001)}), r"y\['a3'\]: 7 samples, t has 1001"),
@@ -142,6 +147,28 @@ def test_times_must_be_even():
     for wrong, words in [(uneven, "t: the times are not even"), (t[:1], "t: 1 times"), (t[:, None], "t: 2 dimensions")]:
         with pytest.raises(kf.InvalidInput, match=words):
             kf.estimate(chain(), wrong, data, sensors=SENSORS, inputs={"road": u})
+
+
+def test_times_in_milliseconds_are_asked_about():
+    t, u, data = record()
+    with pytest.raises(kf.InvalidInput, match=r"t: its steps are 2 s, .* t looks like milliseconds; give t in seconds"):
+        kf.estimate(chain(), 1e3 * t, data, sensors=SENSORS, inputs={"road": u})
+
+
+def test_noise_may_be_a_percentage_or_in_g():
+    t, u, data = record()
+    sensors = {"a3": kf.acceleration("body.2", noise="2 %"), "a5": kf.acceleration("body.4", noise="0.03 g")}
+    assert sensors["a3"].noise == "2 %" and sensors["a5"].noise == pytest.approx(0.03 * 9.80665, rel=1e-12)
+    rms = np.sqrt(np.mean(np.asarray(data["a3"]) ** 2))
+    stated = {"a3": kf.acceleration("body.2", noise=0.02 * rms), "a5": kf.acceleration("body.4", noise=0.03 * 9.80665)}
+    one, other = (estimate(sensors=each).parameters["suspension.mu_k1"] for each in (sensors, stated))
+    assert one.value == pytest.approx(other.value, rel=1e-9) and one.std == pytest.approx(other.std, rel=1e-9)
+    clean = kf.simulate(chain(), t, sensors=sensors, inputs={"road": u}, progress=False)
+    noisy = kf.simulate(chain(), t, sensors=sensors, inputs={"road": u}, seed=1, progress=False)
+    clean_rms = np.sqrt(np.mean(np.asarray(clean["a3"]) ** 2))
+    assert np.std(noisy["a3"] - clean["a3"]) == pytest.approx(0.02 * clean_rms, rel=0.1)
+    with pytest.raises(kf.InvalidInput, match=r"sensors\['a3'\]: its noise is a percentage"):
+        kf.Filter(chain(), RATE, sensors=sensors)
 
 
 def test_a_simulation_repeats_itself_and_its_noise_has_a_seed():

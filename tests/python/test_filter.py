@@ -28,6 +28,7 @@ def stepped(samples=400):
         if k > 0:
             assert filter.predict(u[k : k + 1])
         assert filter.update([data["a3"][k], data["a5"][k]])
+    filter.flush()
     return filter
 
 
@@ -35,7 +36,9 @@ def test_steps_find_the_parameter():
     filter = stepped(1001)
     found = filter.parameters["suspension.mu_k1"]
     assert abs(found.value - 20.0) < 0.1 and found.std < 0.1 and found.unit == "N"
-    assert filter.time == pytest.approx(2.0) and filter.usable and filter.failure is None
+    assert filter.time == pytest.approx(2.0) and filter.usable and filter.running and filter.failure is None
+    assert filter.verdict.state == "consistent" and filter.consistency.expected_nis == 2.0
+    assert filter.consistency.mean_nis == pytest.approx(2.0, abs=0.3)
     assert filter.innovation.shape == (2,)
 
 
@@ -46,6 +49,7 @@ def test_values_by_name_are_values_by_place():
         if k > 0:
             one.predict([u[k]]), other.predict({"road": u[k]})
         one.update([data["a3"][k], np.nan]), other.update({"a3": data["a3"][k]})
+    assert one.time == pytest.approx((49 - 8) / RATE)
     assert bits(one) == bits(other)
 
 
@@ -56,6 +60,7 @@ def test_many_samples_at_once_are_steps():
     filter.update([data["a3"][0], data["a5"][0]])
     y = np.column_stack([data["a3"], data["a5"]])
     assert filter.advance(u[1:400, None], y[1:400]) == 399
+    assert filter.flush() == 8
     assert bits(filter) == bits(stepped(400))
     with pytest.raises(kf.InvalidInput, match=r"\(samples, 1\) and \(samples, 2\)"):
         filter.advance(u, y)
@@ -125,6 +130,32 @@ def test_what_comes_too_late_is_dropped():
     assert filter.push("a5", 0.0, data["a5"][:20]) == 0 and filter.dropped == 20
 
 
+def test_it_is_not_usable_while_a_sensor_is_dead():
+    _, u, data = record()
+    filter = live(window=200)
+    for k in range(800):
+        if k > 0:
+            filter.predict(u[k : k + 1])
+        filter.update([data["a3"][k if k < 400 else 400], data["a5"][k]])
+        if k == 390:
+            assert filter.usable
+    assert filter.running and not filter.usable and filter.verdict.state == "unusable"
+    assert filter.verdict.reasons[0].subject in ("a3", "all sensors")
+    assert filter.consistency.mean_nis > 20.0
+
+
+def test_without_a_delay_inputs_are_straight():
+    _, u, data = record()
+    filter = live(input_delay=0)
+    filter.begin(u[:1])
+    filter.update([data["a3"][0], data["a5"][0]])
+    for k in range(1, 1001):
+        filter.predict(u[k : k + 1]), filter.update([data["a3"][k], data["a5"][k]])
+    assert filter.time == pytest.approx(2.0)
+    straight, spline = filter.parameters["suspension.mu_k1"], stepped(1001).parameters["suspension.mu_k1"]
+    assert abs(spline.value - 20.0) < 3.0 * spline.std < abs(straight.value - 20.0)
+
+
 def test_errors_name_the_argument():
     filter = live()
     with pytest.raises(kf.InvalidInput, match="y: 3 values: there are 2: a3, a5"):
@@ -156,3 +187,5 @@ def test_errors_name_the_argument():
         blocks.update([0.0, 0.0])
     with pytest.raises(kf.InvalidInput, match="horizon"):
         live(horizon=-1.0)
+    with pytest.raises(kf.InvalidInput, match="input_delay: -1 samples"):
+        live(input_delay=-1)

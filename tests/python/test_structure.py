@@ -116,10 +116,12 @@ def test_an_error_in_a_law_in_python_reaches_the_caller():
 
 
 def test_laws_that_are_none_are_named():
-    with pytest.raises(kf.InvalidInput, match="law: a int is given"):
+    with pytest.raises(kf.InvalidInput, match="law: 3 is given"):
         body_on_mount(from_springs(), 3)
     with pytest.raises(kf.InvalidInput, match="mu_k3"):
         chain(parameters=dict(k=1.0, mu_k3=2.0))
+    with pytest.raises(kf.InvalidInput, match=r"no law 'bouc-wen' \(did you mean 'bouc_wen'\?\)"):
+        chain(law="bouc-wen", parameters={})
     assert "mu_k1" in kf.laws()["saturating"].parameters
 
 
@@ -299,3 +301,48 @@ def test_an_estimate_on_a_structure_from_matrices():
     arguments = dict(sensors=SENSORS, inputs={"road": u}, unknown=UNKNOWN, substeps=4, progress=False)
     expected = kf.estimate(chain(), t, data, **arguments).parameters["suspension.mu_k1"].value
     assert kf.estimate(s, t, data, **arguments).parameters["suspension.mu_k1"].value == pytest.approx(expected, rel=1e-6)
+
+
+def test_wrong_types_are_named_by_their_arguments():
+    body = kf.lumped("body")
+    for call, words in [
+        (lambda: body.mass("1", "heavy"), r"mass\(\): kilograms: 'heavy' is given: a number is needed"),
+        (lambda: body.mass(1, 2.0), r"mass\(\): dof: 1 is given: a text is needed"),
+        (lambda: body.mass("1"), r"mass\(\): 'kilograms' is missing"),
+        (lambda: body.mass("1", kilogram=2.0), r"no argument 'kilogram' \(did you mean 'kilograms'\?\)"),
+        (lambda: kf.chain("c", 2.5, 1.0, 1e4), r"chain\(\): masses: 2.5 is given: a whole number is needed"),
+        (lambda: kf.low_pass("fast"), r"low_pass\(\): cutoff: 'fast' is given"),
+        (lambda: chain().value(3), r"value\(\): parameter: 3 is given"),
+    ]:
+        with pytest.raises(kf.InvalidInput, match=words):
+            call()
+
+
+def test_two_inputs_of_one_name_are_refused_when_given():
+    s = chain()
+    for again in (lambda: s.force("road", "body.1"), lambda: s.base_velocity("road", "wheel.ground")):
+        with pytest.raises(kf.InvalidInput, match="there is an input 'road' already"):
+            again()
+
+
+def test_a_geophone_moves_the_ground_as_its_displacement_does():
+    t = np.arange(2001) / 500
+    w = 2 * np.pi * 3
+    sensors = {"a": kf.acceleration("body.3")}
+
+    def driven(add, samples):
+        s = kf.Structure().add(kf.lumped("wheel").mass("w", 1.5).spring("k_w", "ground", "w", 2e4, 20.0))
+        s.add(kf.chain("body", 3, mass=1.0, stiffness=3e4, damping=10.0))
+        s.connect("mount", "wheel.w", "body.1", law="linear", parameters=dict(k=1e4, c=20.0))
+        getattr(s, add)("road", "wheel.ground")
+        return np.asarray(kf.simulate(s, t, sensors=sensors, inputs={"road": samples}, progress=False)["a"])
+
+    displacement = 1e-3 * np.sin(w * t) * np.sin(np.pi * t / 4) ** 2
+    velocity = np.gradient(displacement, t, edge_order=2)
+    expected, found = driven("base_displacement", displacement), driven("base_velocity", velocity + 0.02)
+    assert np.std(found - expected) < 0.01 * np.std(expected)
+    s = chain()
+    s = kf.Structure().add(kf.lumped("m").mass("1", 1.0).spring("k", "ground", "1", 1e3)).base_velocity("g", "m.ground")
+    assert s.contents["inputs"] == [("g", "m/s", "m.ground")]
+    with pytest.raises(kf.InvalidInput, match="would drift"):
+        kf.Filter(s, 100.0, sensors={"a": kf.acceleration("m.1", noise=0.1)})

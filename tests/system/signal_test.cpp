@@ -5,17 +5,21 @@
 
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <limits>
 #include <numbers>
+#include <random>
 #include <unsupported/Eigen/FFT>
 
 #include "base/processor_time.hpp"
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/records/record.hpp"
 #include "kalfem/system/signals/deterministic.hpp"
+#include "kalfem/system/signals/integrated_velocity.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
 #include "kalfem/system/signals/remembered.hpp"
 #include "kalfem/system/signals/sampled.hpp"
+#include "kalfem/system/signals/streamed_spline.hpp"
 
 namespace kalfem {
 namespace {
@@ -227,6 +231,79 @@ TEST(SampledSignal, ReproducesAnyCubicFromFourSamplesOn) {
   EXPECT_NEAR(parabola(0, 0), 2.25, 1e-15);
   EXPECT_NEAR(parabola(0, 2), 2.0, 1e-15);
   EXPECT_NEAR(make_sampled(Eigen::Vector2d(0, 1), {})->sample(0.5, 1, 1)(0, 0), 0.5, 1e-15);
+}
+
+/// Largest error of a signal through samples of a sine at a part of their rate, between them and away from the ends,
+/// beside its amplitude.
+double error_at(double part_of_rate, const std::function<SignalPtr(const Eigen::VectorXd&)>& make) {
+  constexpr int samples = 400;
+  const auto sine = [&](double time) { return std::sin(2.0 * std::numbers::pi * part_of_rate * time + 0.4); };
+  const auto signal = make(Eigen::VectorXd::NullaryExpr(samples, [&](Eigen::Index k) { return sine(double(k)); }));
+  const auto found = signal->sample(50.0, 0.1, 3000);
+  double worst = 0.0;
+  for (Eigen::Index i = 0; i < found.rows(); ++i)
+    worst = std::max(worst, std::abs(found(i, 0) - sine(50.0 + 0.1 * double(i))));
+  return worst;
+}
+
+TEST(SampledSignal, IsBandLimitedWhereASplineWouldLoseContent) {
+  const auto make = [](const Eigen::VectorXd& samples) { return make_sampled(samples, {}); };
+  EXPECT_LT(error_at(0.1, make), 2e-3);
+  EXPECT_LT(error_at(0.3, make), 3e-3);  // a spline through the samples alone: 0.05
+  EXPECT_LT(error_at(0.4, make), 5e-3);  // 0.25
+  EXPECT_LT(error_at(0.44, make), 6e-3);
+}
+
+TEST(SampledSignal, KeepsItsSamplesWhereItIsOversampled) {
+  std::mt19937 random(5);
+  const Eigen::VectorXd samples =
+      Eigen::VectorXd::NullaryExpr(100, [&] { return std::normal_distribution<double>()(random); });
+  const auto signal = make_sampled(samples, {.sample_rate = 10.0, .start = 1.0});
+  EXPECT_LT((signal->sample(1.0, 0.1, 100).col(0).matrix() - samples).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_TRUE(signal->covers(1.0, 10.9));
+  EXPECT_FALSE(signal->covers(1.0, 10.91));
+}
+
+TEST(StreamedSpline, IsTheSplineOfAllSamplesUpToItsDelay) {
+  constexpr double rate = 100.0;
+  const Eigen::VectorXd samples =
+      Eigen::VectorXd::NullaryExpr(200, [](Eigen::Index k) { return std::sin(0.5 * double(k)) + 0.01 * double(k); });
+  const auto whole = make_sampled(samples, {.sample_rate = rate});
+  for (const Eigen::Index delay : {1, 4, 8, 16}) {
+    StreamedSpline spline(samples[0], rate);
+    const double tolerance = 2.0 * std::pow(0.27, double(delay));
+    Eigen::Index at = 0;
+    for (Eigen::Index k = 1; k < samples.size() + delay; ++k) {
+      if (k < samples.size()) spline.add(samples[k]);
+      if (k == delay) {
+        const SignalSamples first = spline.first(), expected = whole->sample(0.0, 1.0, 1);
+        EXPECT_LT((first - expected).abs().maxCoeff(), tolerance * 0.25 * rate * rate);
+      }
+      if (spline.ahead() <= delay && k < samples.size()) continue;
+      if (spline.ahead() == 0) break;
+      const SignalSamples found = spline.move(4), expected = whole->sample(double(at) / rate, 0.25 / rate, 5);
+      ++at;
+      EXPECT_EQ(found(4, 0), samples[at]);
+      EXPECT_LT((found.col(1) - expected.col(1)).abs().maxCoeff(), tolerance * 0.5 * rate) << at;
+      EXPECT_LT((found.col(2) - expected.col(2)).abs().maxCoeff(), tolerance * 0.5 * rate * rate) << at;
+    }
+    EXPECT_EQ(at, samples.size() - 1);
+  }
+}
+
+TEST(IntegratedVelocity, IsTheDisplacementWithoutItsDrift) {
+  constexpr double rate = 200.0, w = 2.0 * std::numbers::pi * 4.0;
+  const Eigen::VectorXd velocity = Eigen::VectorXd::NullaryExpr(
+      2001, [&](Eigen::Index k) { return 0.3 + w * std::cos(w * double(k) / rate); });  // 0.3: a geophone's offset
+  const auto motion = integrated_velocity(make_sampled(velocity, {.sample_rate = rate}), {0.0, rate, 2001});
+  const auto found = motion->sample(0.0, 0.37 / rate, 5000);
+  for (Eigen::Index k = 0; k < found.rows(); ++k) {
+    const double phase = w * 0.37 / rate * double(k);
+    ASSERT_NEAR(found(k, 0), std::sin(phase), 2e-3);
+    ASSERT_NEAR(found(k, 1), w * std::cos(phase), 1e-3 * w);
+    ASSERT_NEAR(found(k, 2), -w * w * std::sin(phase), 5e-3 * w * w);
+  }
+  EXPECT_LT(derivative_error(*motion, 1.0, 9.0), 1e-4);
 }
 
 TEST(SampledSignal, LinearIsStraightBetweenItsSamples) {

@@ -31,6 +31,12 @@ void require_channels(const Record& record, const std::vector<SensorDescription>
                  "sensors[" + std::to_string(i) + "] '" + sensors[i].name +
                      "': the record has no channel of that name" + did_you_mean(sensors[i].name, known),
                  "", "name the sensor as the channel");
+  for (std::size_t i = 0; i < sensors.size(); ++i)
+    if (const Index row = record.find(sensors[i].name); row >= 0 && row < record.values.rows() &&
+                                                        record.samples() > 0 &&
+                                                        !record.values.row(row).array().isFinite().any())
+      issues.add({}, "sensors[" + std::to_string(i) + "] '" + sensors[i].name + "': its channel has no number",
+                 "there is no data to estimate from", "remove the sensor or choose another channel");
   if (static_cast<Index>(known.size()) != record.values.rows())
     issues.add({},
                "record: it has " + std::to_string(record.values.rows()) + " rows and " + std::to_string(known.size()) +

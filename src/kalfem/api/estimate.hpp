@@ -47,7 +47,7 @@ struct EstimateOptions {
   double process_noise = 0.0;             ///< white acceleration on every degree of freedom [m/s^2/sqrt(Hz)]
   std::optional<FilterKind> filter = {};  ///< if empty, the structure decides
   /// Of a sample interval, for the connectors' forces. Empty: estimate() takes as many as the estimates need, which
-  /// costs a second run over the record; an OnlineFilter, which has no record, takes 4. EstimateResult::substeps of a
+  /// costs a second run over the record; an OnlineFilter, which has no record, takes 8. EstimateResult::substeps of a
   /// recorded piece is the number for it.
   std::optional<int> substeps = {};
   int threads = 0;  ///< 0: one per processor; results do not depend on it

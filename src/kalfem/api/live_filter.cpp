@@ -37,7 +37,7 @@ void require_all_or_none(const StructureDescription& description, std::size_t on
 class LiveFilter::Queue {
 public:
   Queue(const Structure& structure, double sample_rate, const EstimateOptions& options, const LiveOptions& live)
-      : filter_(structure, sample_rate, options), live_(live), rate_(sample_rate) {
+      : filter_(structure, sample_rate, options, live.filter), live_(live), rate_(sample_rate) {
     if (!(live.horizon > 0.0) || !std::isfinite(live.horizon * sample_rate) || live.horizon * sample_rate > 1e8)
       throw InvalidInput("horizon: " + shortest(live.horizon) + " s", "it must be > 0 and at most 1e8 samples", "");
     for (const auto& sensor : options.sensors) channels_.push_back(sensor.name);
@@ -113,6 +113,7 @@ public:
 
   void take_all() {
     while (next_ <= newest_) take();
+    filter_.finish();
   }
 
   [[nodiscard]] OnlineFilter& filter() { return filter_; }

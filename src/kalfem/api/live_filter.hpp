@@ -13,6 +13,7 @@ namespace kalfem {
 struct LiveOptions {
   double start = 0.0;     ///< time of sample 0 [s]
   double horizon = 10.0;  ///< by so much later than another channel may a channel come [s]
+  OnlineOptions filter = {};
 };
 
 /// A filter whose samples come channel by channel, in blocks, late or out of order:
@@ -21,10 +22,12 @@ struct LiveOptions {
 ///     live.push("road", 0.0, first_block);
 ///     live.push("a3", 0.0, first_block_of_a3);
 ///
-/// Channels are the sensors and the inputs without a signal. The filter takes sample k once every channel has it. It
-/// stops waiting once some channel has a sample that is later by more than the horizon: what is missing then counts as
-/// not measured, and an input holds its last value. So the order in which samples come does not matter as long as none
-/// is later than the horizon. What comes later is dropped.
+/// Channels are the sensors and the inputs without a signal. Samples of all channels that belong to one instant have
+/// the same time. The queue takes sample k once every channel has it; the filter stands OnlineOptions::input_delay
+/// samples behind, as its inputs are a spline through later samples too. The queue stops waiting once some channel has
+/// a sample that is later by more than the horizon: what is missing then counts as not measured, and an input holds its
+/// last value. So the order in which samples come does not matter as long as none is later than the horizon. What comes
+/// later is dropped.
 class LiveFilter {
 public:
   /// Throws InvalidInput as OnlineFilter does, and where the horizon is not positive.
@@ -41,10 +44,11 @@ public:
   /// The same with a time for each value, ascending.
   Eigen::Index push(const std::string& channel, const Eigen::Ref<const Eigen::VectorXd>& times,
                     const Eigen::Ref<const Eigen::VectorXd>& values);
-  /// Takes all samples that any channel has, as if the horizon were over. Returns how many there were.
+  /// Takes all samples that any channel has, as if the horizon were over, and moves the filter to the last one. Returns
+  /// how many there were.
   Eigen::Index flush();
 
-  /// The filter at the last sample that was taken.
+  /// The filter, `input_delay` behind the last sample that was taken; OnlineFilter::time() counts from the first one.
   [[nodiscard]] OnlineFilter& filter();
   [[nodiscard]] Eigen::Index samples() const;  ///< taken so far
   [[nodiscard]] Eigen::Index dropped() const;  ///< values that came behind the horizon, or twice

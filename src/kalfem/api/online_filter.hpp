@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kalfem/api/estimate.hpp"
+#include "kalfem/estimation/consistency.hpp"
 
 namespace kalfem {
 
@@ -21,50 +22,78 @@ struct PresentEstimate {
   double mean = 0.0, std = 0.0;
 };
 
+/// How a filter treats samples as they come.
+struct OnlineOptions {
+  /// Samples by which the filter stays behind predict_values(). Its inputs are then the cubic spline of estimate(), to
+  /// 0.27^input_delay of its curvature. 0: no delay, and inputs that are straight between samples. The velocity of a
+  /// moved ground is then a staircase, which biases stiffnesses and damping; content of an input at a part x of the
+  /// sampling rate is too small by a part 3.3 x^2.
+  int input_delay = 8;
+  /// Latest samples by which usable() and verdict() judge.
+  int window = 2000;
+};
+
 /// A filter that is moved from sample to sample by its caller, as a live system needs it:
 ///
 ///     OnlineFilter filter(structure, 1000.0, {.sensors = {...}, .unknowns = {...}});
 ///     filter.update(first_sample);
-///     while (filter.usable() && next(inputs, y)) {
+///     while (filter.running() && next(inputs, y)) {
 ///       filter.predict(inputs);
 ///       filter.update(y);
+///       if (!filter.usable()) warn(filter.verdict());
 ///     }
 ///
 /// The covariance moves in the modal coordinates of the linear part, where a step costs least. Where rounding makes it
 /// indefinite there (close poles), the filter goes on in physical coordinates from the estimate before the step, with
 /// the negative directions of its covariance taken off. A step costs more from then on.
 ///
-/// Moved by predict() without arguments it gives the estimates of estimate() over the same record. One thread uses it
-/// at a time.
+/// Moved by predict() without arguments it gives the estimates of estimate() over the same record, and so it does moved
+/// by predict_values() with a delay. One thread uses it at a time.
 class OnlineFilter {
 public:
-  /// `sample_rate` [Hz]: of predict(). `first`: the inputs at the first sample, in the order of their addition to the
-  /// structure; if empty, those of its signals, or zero. Throws InvalidInput as estimate() does.
+  /// `sample_rate` [Hz]: of predict(). Inputs are those of the structure's signals at first; start() says others.
+  /// Throws InvalidInput as estimate() does.
   OnlineFilter(const Structure& structure, double sample_rate, const EstimateOptions& options,
-               const std::vector<InputSample>& first = {});
+               const OnlineOptions& online = {});
   OnlineFilter(OnlineFilter&&) noexcept;
   OnlineFilter& operator=(OnlineFilter&&) noexcept;
   ~OnlineFilter();
 
-  /// Predicts to the next sample; inputs are linear between the samples. Returns false if the filter has stopped, see
-  /// failure(). Throws InvalidInput if the number of inputs is not that of the structure, or if one is not finite.
-  bool predict(const std::vector<InputSample>& inputs);
-  /// The same from values alone, one an input. The rate and acceleration of a moved ground are the differences between
-  /// the samples.
-  bool predict_values(const Eigen::VectorXd& values);
-  /// The inputs at the first sample, before its update(), where the constructor was not told.
+  /// The inputs at the first sample, before its update(); zero for those without a signal if it is not called.
+  void start(const std::vector<InputSample>& inputs);
+  /// The same from values alone.
   void start(const Eigen::VectorXd& values);
+
+  /// Predicts to the next sample; value, rate and acceleration are linear between the samples. Returns false if the
+  /// filter has stopped, see failure(). Throws InvalidInput if the number of inputs is not that of the structure, if
+  /// one is not finite, and after predict_values() without finish().
+  bool predict(const std::vector<InputSample>& inputs);
   /// The same with the signals of the structure. Throws InvalidInput if one of its inputs has none.
   bool predict();
-  /// Conditions the estimate on a sample with one value per sensor; NaN is a missing value. Returns false if the filter
-  /// has stopped. Throws InvalidInput if there is not one value for each sensor.
+  /// The next sample's inputs from values alone, one an input. Rates and accelerations are those of a spline that needs
+  /// OnlineOptions::input_delay later samples: the filter stands so many samples behind, and each update() waits until
+  /// the filter is there. What the filter says of itself (time(), parameters(), nis(), ...) belongs to where it stands.
+  bool predict_values(const Eigen::VectorXd& values);
+  /// Conditions the estimate on the sample of the last prediction, with one value per sensor; NaN is a missing value.
+  /// Returns false if the filter has stopped. Throws InvalidInput if there is not one value for each sensor.
   bool update(const Eigen::VectorXd& measured);
+  /// Takes the samples that wait for later ones, with the spline of those that are there. Returns false if the filter
+  /// has stopped.
+  bool finish();
 
   /// Whether the covariance had to leave the modal coordinates.
   [[nodiscard]] bool in_physical_coordinates() const;
-  [[nodiscard]] double time() const;  ///< of the present sample, the first one at 0 [s]
-  [[nodiscard]] bool usable() const { return !failure(); }
+  [[nodiscard]] double time() const;  ///< of the sample at which the filter stands, the first one at 0 [s]
+  /// Whether the filter goes on: it has not stopped.
+  [[nodiscard]] bool running() const { return !failure(); }
+  /// Whether the numbers can be relied on: the filter goes on, and its verdict is not unusable. Costs nothing.
+  [[nodiscard]] bool usable() const { return running() && verdict().state() != VerdictState::unusable; }
   [[nodiscard]] const std::optional<FilterStop>& failure() const;
+  /// Whether the innovations of the window are as large as the filter expects and white, by the rules of
+  /// EstimateResult::verdict. Formed anew after each twentieth part of the window; consistent before the first one.
+  [[nodiscard]] const Verdict& verdict() const;
+  /// Of the window: mean NIS, the expected one and how many samples lie in the 95 % band.
+  [[nodiscard]] ConsistencySummary consistency() const;
 
   /// The unknowns now, without histories.
   [[nodiscard]] std::vector<ParameterEstimate> parameters() const;
@@ -78,8 +107,8 @@ public:
   [[nodiscard]] double nis() const;
 
 private:
-  class Loop;
-  std::unique_ptr<Loop> loop_;
+  class Steps;
+  std::unique_ptr<Steps> steps_;
 };
 
 }  // namespace kalfem

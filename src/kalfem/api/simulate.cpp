@@ -10,16 +10,12 @@ namespace kalfem {
 
 using Eigen::Index;
 
-namespace {
-
 void add_noise(const std::vector<SensorDescription>& sensors, std::uint64_t seed, Record& record) {
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     RandomStream random(seed, sensors[i].name);
     for (auto& value : record.values.row(static_cast<Index>(i))) value += sensors[i].noise * random.normal();
   }
 }
-
-}  // namespace
 
 SimulateResult simulate(const Structure& structure, const SimulateOptions& options) {
   require_signals(structure.description());

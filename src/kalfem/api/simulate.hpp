@@ -40,4 +40,7 @@ struct SimulateResult {
 /// what the numbers do is in the result.
 SimulateResult simulate(const Structure& structure, const SimulateOptions& options);
 
+/// Adds white noise of the sensors' standard deviations to their rows of a record, as simulate() does with that seed.
+void add_noise(const std::vector<SensorDescription>& sensors, std::uint64_t seed, Record& record);
+
 }  // namespace kalfem

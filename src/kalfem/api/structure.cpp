@@ -1,26 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kalfem/api/structure.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "kalfem/api/finite_element_substructure.hpp"
 #include "kalfem/api/structure_description.hpp"
 #include "kalfem/base/units.hpp"
+#include "kalfem/system/signals/integrated_velocity.hpp"
 #include "kalfem/system/signals/sampled.hpp"
 
 namespace kalfem {
 namespace {
 
-SignalPtr signal_of(const std::string& name, const Samples& samples, Interpolation interpolation) try {
-  return make_sampled(samples.values, {.sample_rate = samples.sample_rate,
-                                       .start = samples.start,
-                                       .interpolation = interpolation,
-                                       .beyond = BeyondRecord::reject});
+/// The spline through the samples; of a velocity its integral.
+SignalPtr signal_of(const std::string& name, const Samples& samples, bool is_velocity = false) try {
+  const auto signal = make_sampled(samples.values, {.sample_rate = samples.sample_rate, .start = samples.start});
+  if (!is_velocity) return signal;
+  return integrated_velocity(signal, {samples.start, samples.sample_rate, samples.values.size()});
 } catch (const InvalidInput& error) {
   IssueList issues;
   for (const auto& issue : error.issues()) issues.add({}, "input '" + name + "': " + issue.what, issue.why, issue.fix);
   issues.raise();
   return nullptr;
+}
+
+/// Throws InvalidInput where there is an input of that name: samples are given to inputs by their names.
+void add_input(StructureDescription& description, const InputDescription& input, SignalPtr signal) {
+  if (std::ranges::find(description.parts.inputs, input.name, &InputDescription::name) !=
+      description.parts.inputs.end())
+    throw InvalidInput("there is an input '" + input.name + "' already", "samples are given to an input by its name",
+                       "give every input a name of its own");
+  description.parts.inputs.push_back(input);
+  description.signals.push_back(std::move(signal));
+}
+
+bool is_by_velocity(const StructureDescription& description, const std::string& input) {
+  return std::ranges::find(description.by_velocity, input) != description.by_velocity.end();
 }
 
 /// Names in `all` that belong to `owner`, without it.
@@ -139,52 +155,61 @@ Structure& Structure::modal_damping(std::vector<double> ratios) {
 }
 
 Structure& Structure::base_displacement(const std::string& name, const std::string& ground, SignalPtr displacement) {
-  description_->parts.inputs.push_back({name, InputKind::base_displacement, ground});
-  description_->signals.push_back(std::move(displacement));
+  add_input(*description_, {name, InputKind::base_displacement, ground}, std::move(displacement));
   return *this;
 }
 
 Structure& Structure::base_acceleration(const std::string& name, SignalPtr acceleration) {
-  description_->parts.inputs.push_back({name, InputKind::base_acceleration, ""});
-  description_->signals.push_back(std::move(acceleration));
+  add_input(*description_, {name, InputKind::base_acceleration, ""}, std::move(acceleration));
   return *this;
 }
 
 Structure& Structure::force(const std::string& name, const std::string& point, SignalPtr force) {
-  description_->parts.inputs.push_back({name, InputKind::force, point});
-  description_->signals.push_back(std::move(force));
+  add_input(*description_, {name, InputKind::force, point}, std::move(force));
   return *this;
 }
 
 Structure& Structure::base_displacement(const std::string& name, const std::string& ground,
                                         const Samples& displacement) {
-  return base_displacement(name, ground, signal_of(name, displacement, Interpolation::cubic));
+  return base_displacement(name, ground, signal_of(name, displacement));
+}
+
+Structure& Structure::base_velocity(const std::string& name, const std::string& ground, const Samples& velocity) {
+  const SignalPtr displacement = signal_of(name, velocity, true);
+  base_velocity(name, ground);
+  description_->signals.back() = displacement;
+  return *this;
 }
 
 Structure& Structure::base_acceleration(const std::string& name, const Samples& acceleration) {
-  return base_acceleration(name, signal_of(name, acceleration, Interpolation::linear));
+  return base_acceleration(name, signal_of(name, acceleration));
 }
 
 Structure& Structure::force(const std::string& name, const std::string& point, const Samples& force) {
-  return this->force(name, point, signal_of(name, force, Interpolation::linear));
+  return this->force(name, point, signal_of(name, force));
 }
 
 Structure& Structure::drive(const std::string& input, const Samples& samples) {
   std::vector<std::string> known;
   for (std::size_t i = 0; i < description_->parts.inputs.size(); ++i) {
-    const auto& [name, kind, target, direction, location] = description_->parts.inputs[i];
+    const std::string& name = description_->parts.inputs[i].name;
     known.push_back(name);
     if (name != input) continue;
-    const bool moves_ground = kind == InputKind::base_displacement;
-    description_->signals[i] = signal_of(name, samples, moves_ground ? Interpolation::cubic : Interpolation::linear);
+    description_->signals[i] = signal_of(name, samples, is_by_velocity(*description_, name));
     return *this;
   }
   throw InvalidInput("there is no input '" + input + "'" + did_you_mean(input, known), "samples drive an input",
-                     "add it by force(), base_displacement() or base_acceleration()");
+                     "add it by force(), base_displacement(), base_velocity() or base_acceleration()");
 }
 
 Structure& Structure::base_displacement(const std::string& name, const std::string& ground) {
   return base_displacement(name, ground, SignalPtr());
+}
+
+Structure& Structure::base_velocity(const std::string& name, const std::string& ground) {
+  base_displacement(name, ground);
+  description_->by_velocity.push_back(name);
+  return *this;
 }
 
 Structure& Structure::base_acceleration(const std::string& name) { return base_acceleration(name, SignalPtr()); }

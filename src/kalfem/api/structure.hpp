@@ -88,19 +88,23 @@ public:
   /// cubic spline through the samples.
   Structure& base_displacement(const std::string& name, const std::string& ground, const Samples& displacement);
   Structure& base_displacement(const std::string& name, const std::string& ground, SignalPtr displacement);
+  /// A ground whose velocity was measured [m/s], as by a geophone. Its displacement is the integral, without the
+  /// straight line that fits it best: the offset of a geophone is not known.
+  Structure& base_velocity(const std::string& name, const std::string& ground, const Samples& velocity);
   /// All grounds accelerate alike [m/s^2]; displacements are then relative to them.
   Structure& base_acceleration(const std::string& name, const Samples& acceleration);
   Structure& base_acceleration(const std::string& name, SignalPtr acceleration);
-  /// A force on a point [N], linear between the samples.
+  /// A force on a point [N].
   Structure& force(const std::string& name, const std::string& point, const Samples& force);
   Structure& force(const std::string& name, const std::string& point, SignalPtr force);
-  /// The same without a signal, for an OnlineFilter that receives the values sample by sample.
+  /// The same without a signal, for drive() or for an OnlineFilter that receives the values sample by sample.
   Structure& base_displacement(const std::string& name, const std::string& ground);
+  Structure& base_velocity(const std::string& name, const std::string& ground);
   Structure& base_acceleration(const std::string& name);
   Structure& force(const std::string& name, const std::string& point);
 
-  /// Gives an input the samples that it is driven by, in the unit of its kind: cubic between them for a moved ground,
-  /// linear for the others. Throws InvalidInput if there is no input of that name.
+  /// Gives an input the samples that it is driven by, in the unit of its kind. Throws InvalidInput if there is no input
+  /// of that name.
   Structure& drive(const std::string& input, const Samples& samples);
 
   /// Names of all numbers that can be estimated or updated, such as "suspension.mu_k1" and "body.3-4.stiffness".

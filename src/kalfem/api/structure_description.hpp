@@ -15,7 +15,8 @@ namespace kalfem {
 struct StructureDescription {
   StructureParts parts;  ///< without finite elements
   std::vector<FiniteElements> finite_elements;
-  std::vector<SignalPtr> signals;  ///< one per input of the parts; nullptr if its values come online
+  std::vector<SignalPtr> signals;             ///< one per input of the parts; nullptr if its values come online
+  std::vector<std::string> by_velocity = {};  ///< inputs that move a ground by samples of its velocity
 };
 
 /// The use of a model of the structure.

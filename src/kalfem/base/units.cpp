@@ -293,12 +293,43 @@ std::optional<Unit> unit_with_gravity(std::string_view text, const Dimension& wa
   }
 }
 
-[[noreturn]] void fail_dimension(const std::string& given, std::string_view expected, const Dimension& found) {
+std::string shown(std::string_view text) { return "'" + std::string(text.substr(0, longest_text)) + "'"; }
+
+/// A number, and the text of the unit behind it.
+struct NumberAndUnit {
+  double number = 0.0;
+  std::string_view unit;
+};
+
+// std::from_chars knows no leading plus and no locale: the plus is skipped by hand, and a decimal comma gets a message
+// of its own.
+NumberAndUnit split_quantity(std::string_view text) {
+  std::string_view digits = trim(text);
+  if (digits.starts_with('+') && digits.size() > 1 && digits[1] != '-') digits.remove_prefix(1);
+  double number = 0.0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  if (error == std::errc::result_out_of_range)
+    throw InvalidInput(shown(text), "the number is too large or too small", "");
+  if (error != std::errc{})
+    throw InvalidInput(shown(text) + " is not a number", "", "write a number with an optional unit, like 3 mm");
+  if (!std::isfinite(number)) throw InvalidInput(shown(text) + " is not a finite number", "", "");
+  const std::string_view unit = trim(digits.substr(static_cast<std::size_t>(end - digits.data())));
+  if (unit.starts_with(','))
+    throw InvalidInput(shown(text) + " is not a number", "", "write the decimals with a point");
+  return {number, unit};
+}
+
+/// In SI. Throws InvalidInput where that is too large a number.
+double scaled(double number, const Unit& unit, std::string_view text) {
+  const double value = number * unit.factor;
+  if (!std::isfinite(value)) throw InvalidInput(shown(text), "the number is too large", "");
+  return value;
+}
+
+[[noreturn]] void fail_dimension(const std::string& given, std::string_view expected) {
   const Dimension wanted = parse_unit(expected).dimension;
   const std::string required = wanted == Dimension{} ? "a number without a unit" : std::string(expected);
   std::string fix = "give it in " + (wanted == Dimension{} ? "no unit or %" : required) + ", or as a bare number in SI";
-  const bool gram_for_gravity = found == parse_unit("g").dimension && wanted == parse_unit("g0").dimension;
-  if (gram_for_gravity) fix = "g is the gram; write g0 for standard gravity";
   throw InvalidInput(given + " given where " + required + " is required", "", fix);
 }
 
@@ -316,31 +347,16 @@ Unit parse_unit_as(std::string_view text, std::string_view expected_unit) {
   const Dimension wanted = parse_unit(expected_unit).dimension;
   if (const auto with_gravity = unit_with_gravity(text, wanted)) return *with_gravity;
   const Unit unit = parse_unit(text);
-  if (!compatible(unit.dimension, wanted)) fail_dimension(std::string(trim(text)), expected_unit, unit.dimension);
+  if (!compatible(unit.dimension, wanted)) fail_dimension(std::string(trim(text)), expected_unit);
   return unit;
 }
 
-// Reads a number and takes the rest as its unit. std::from_chars knows no leading plus and no locale: the plus is
-// skipped by hand, and a decimal comma gets a message of its own. A number without unit is marked as bare, which
-// stands for SI.
+// The number marked as bare where no unit follows, which stands for SI.
 Quantity parse_quantity(std::string_view text) {
-  const std::string shown = "'" + std::string(text.substr(0, longest_text)) + "'";
-  std::string_view digits = trim(text);
-  if (digits.starts_with('+') && digits.size() > 1 && digits[1] != '-') digits.remove_prefix(1);
-  double number = 0.0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-  if (error == std::errc::result_out_of_range) throw InvalidInput(shown, "the number is too large or too small", "");
-  if (error != std::errc{})
-    throw InvalidInput(shown + " is not a number", "", "write a number with an optional unit, like 3 mm");
-  if (!std::isfinite(number)) throw InvalidInput(shown + " is not a finite number", "", "");
-
-  const std::string_view unit_text = trim(digits.substr(static_cast<std::size_t>(end - digits.data())));
-  if (unit_text.starts_with(',')) throw InvalidInput(shown + " is not a number", "", "write the decimals with a point");
+  const auto [number, unit_text] = split_quantity(text);
   if (unit_text.empty()) return {number, {}, true};
   const Unit unit = parse_unit(unit_text);
-  const double value = number * unit.factor;
-  if (!std::isfinite(value)) throw InvalidInput(shown, "the number is too large", "");
-  return {value, unit.dimension, false, unit_text == "%"};
+  return {scaled(number, unit, text), unit.dimension, false, unit_text == "%"};
 }
 
 // The radian is a ratio, so angles compare with pure numbers. Rates are the exception: 1 Hz is 2 pi rad/s, and an
@@ -356,14 +372,16 @@ bool compatible(const Dimension& a, const Dimension& b) {
 
 double to_si(std::string_view text, std::string_view expected_unit) {
   const Quantity quantity = parse_quantity(text);
-  if (!quantity.bare && !compatible(quantity.dimension, parse_unit(expected_unit).dimension))
-    fail_dimension(std::string(trim(text)), expected_unit, quantity.dimension);
-  return quantity.value;
+  const Dimension wanted = parse_unit(expected_unit).dimension;
+  if (quantity.bare || compatible(quantity.dimension, wanted)) return quantity.value;
+  const auto [number, unit_text] = split_quantity(text);
+  if (const auto with_gravity = unit_with_gravity(unit_text, wanted)) return scaled(number, *with_gravity, text);
+  fail_dimension(std::string(trim(text)), expected_unit);
 }
 
 double to_si(const Quantity& quantity, std::string_view expected_unit) {
   if (!quantity.bare && !compatible(quantity.dimension, parse_unit(expected_unit).dimension))
-    fail_dimension(shortest(quantity.value) + " " + si_unit(quantity.dimension), expected_unit, quantity.dimension);
+    fail_dimension(shortest(quantity.value) + " " + si_unit(quantity.dimension), expected_unit);
   return quantity.value;
 }
 

@@ -2,6 +2,7 @@
 #include "kalfem/casefile/case_schema.hpp"
 
 #include "kalfem/casefile/component_schema.hpp"
+#include "kalfem/casefile/gravity.hpp"
 #include "kalfem/casefile/plausible.hpp"
 #include "kalfem/yaml/map_schema.hpp"
 
@@ -119,7 +120,7 @@ kalfem::Case<Observed<Q>> observing(std::string_view key, std::string_view targe
   return when(key, schema, meaning);
 }
 
-Schema<Sensor> sensor() {
+Schema<Sensor> sensor_of_any_quantity() {
   using enum ObservedQuantity;
   return mapping(
       Fields<Sensor>()
@@ -159,6 +160,21 @@ Schema<Sensor> sensor() {
                     "that looks the other way")
           .optional("offset", &Sensor::offset, value(), "offset of the channel, in the sensor's unit")
           .optional("delay", &Sensor::delay, number("s", plausible::clock()), "the channel is late by this"));
+}
+
+/// The same, with g as gravity in the values of an accelerometer.
+Schema<Sensor> sensor() {
+  const auto any = sensor_of_any_quantity();
+  const auto read = [any](const CaseNode& node, Sensor& sensor) {
+    if (!any.read(node, sensor)) return false;
+    if (std::holds_alternative<Observed<ObservedQuantity::acceleration>>(sensor.observed)) {
+      take_gravity(node, {"noise"}, sensor.noise);
+      if (sensor.offset) take_gravity(node, {"offset"}, *sensor.offset);
+    }
+    return true;
+  };
+  return make_schema<Sensor>(
+      read, [any](const Sensor& sensor) { return any.write(sensor); }, any.json_schema());
 }
 
 }  // namespace

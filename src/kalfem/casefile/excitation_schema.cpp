@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kalfem/casefile/case_schema.hpp"
 #include "kalfem/casefile/component_schema.hpp"
+#include "kalfem/casefile/gravity.hpp"
 #include "kalfem/casefile/plausible.hpp"
 #include "kalfem/yaml/map_schema.hpp"
 
@@ -103,7 +104,20 @@ SignalKinds signal_kinds() {
           when("constant", constant, "constant value (gravity, a preload)")};
 }
 
-Schema<Excitation> excitation() {
+namespace {
+
+/// The values of an acceleration, with g as gravity.
+void take_gravity_of_signal(const CaseNode& node, Excitation& given) {
+  if (auto* signal = std::get_if<RandomSignal>(&*given.signal)) take_gravity(node, {"random", "rms"}, signal->rms);
+  if (auto* signal = std::get_if<Sine>(&*given.signal)) take_gravity(node, {"sine", "amplitude"}, signal->amplitude);
+  if (auto* signal = std::get_if<SweptSine>(&*given.signal))
+    take_gravity(node, {"sweep", "amplitude"}, signal->amplitude);
+  if (auto* signal = std::get_if<Impulse>(&*given.signal))
+    take_gravity(node, {"impulse", "amplitude"}, signal->amplitude);
+  if (auto* signal = std::get_if<Constant>(&*given.signal)) take_gravity(node, {"constant"}, signal->value);
+}
+
+Schema<Excitation> excitation_of_any_quantity() {
   const auto road_class = convert<char>(
       word({"A", "B", "C", "D", "E", "F", "G", "H"}), [](const std::string& word) { return word.front(); },
       [](const char& letter) { return std::string(1, letter); });
@@ -178,6 +192,23 @@ Schema<Excitation> excitation() {
                          {"keep", Drift::keep, "integrate the acceleration as it is, from rest"}})),
                     "what to do with the drift of an integrated ground acceleration; default: remove, but keep for "
                     "impulse and constant"));
+}
+
+}  // namespace
+
+Schema<Excitation> excitation() {
+  const auto any = excitation_of_any_quantity();
+  const auto read = [any](const CaseNode& node, Excitation& excitation) {
+    if (!any.read(node, excitation)) return false;
+    if (std::holds_alternative<BaseAcceleration>(excitation.target)) {
+      if (excitation.signal) take_gravity_of_signal(node, excitation);
+      if (excitation.unknown && excitation.unknown->value.std)
+        take_gravity(node, {"unknown", "std"}, *excitation.unknown->value.std);
+    }
+    return true;
+  };
+  return make_schema<Excitation>(
+      read, [any](const Excitation& excitation) { return any.write(excitation); }, any.json_schema());
 }
 
 }  // namespace kalfem::description

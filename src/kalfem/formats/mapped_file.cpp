@@ -22,6 +22,13 @@ MappedFile::MappedFile(const std::filesystem::path& path) {
   madvise(address_, size_, MADV_SEQUENTIAL);
 }
 
+void MappedFile::release_before(const char* place) const {
+  constexpr std::ptrdiff_t page = 1 << 16;  // a multiple of every system's page
+  const std::ptrdiff_t read = place - static_cast<const char*>(address_);
+  if (read >= page && read <= static_cast<std::ptrdiff_t>(size_))
+    madvise(address_, static_cast<std::size_t>(read / page * page), MADV_DONTNEED);
+}
+
 MappedFile::~MappedFile() {
   if (size_ > 0) munmap(address_, size_);
 }

@@ -17,6 +17,9 @@ public:
   ~MappedFile();
 
   [[nodiscard]] std::string_view bytes() const { return {static_cast<const char*>(address_), size_}; }
+  /// Lets the system take back the memory of what stands before a place in bytes(); it is read again where it is looked
+  /// at again.
+  void release_before(const char* place) const;
 
 private:
   void* address_ = nullptr;

@@ -3,10 +3,10 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/units.hpp"
+#include "kalfem/records/kaiser_kernel.hpp"
 #include "kalfem/records/signal_continuation.hpp"
 
 namespace kalfem {
@@ -18,27 +18,16 @@ namespace {
 
 constexpr double cut_off = 0.45;         ///< of the new rate: the middle between pass band and stop band
 constexpr double half_length = 32.0;     ///< of the kernel, in new samples: a transition of 0.1 of the new rate
-constexpr double window_shape = 10.06;   ///< Kaiser's beta for 100 dB
 constexpr double most_missing = 0.02;    ///< of a new sample's weights
 constexpr double same_rate = 1e-9;       ///< relative
 constexpr double beyond_the_end = 1e-6;  ///< of a new interval
-
-double sinc(double x) { return x == 0.0 ? 1.0 : std::sin(std::numbers::pi * x) / (std::numbers::pi * x); }
-
-/// Impulse response of the anti-alias filter at a time in new samples.
-double impulse_response(double time) {
-  const double part = time / half_length;
-  const double window =
-      std::cyl_bessel_i(0.0, window_shape * std::sqrt(1.0 - part * part)) / std::cyl_bessel_i(0.0, window_shape);
-  return sinc(2.0 * cut_off * time) * window;
-}
 
 /// The impulse response from a table: straight lines between its entries are right to 3e-7 of the peak.
 class Kernel {
 public:
   Kernel() : entries_(static_cast<Index>(half_length) * per_sample + 2) {
     for (Index i = 0; i < entries_.size() - 2; ++i)
-      entries_[i] = impulse_response(static_cast<double>(i) / static_cast<double>(per_sample));
+      entries_[i] = windowed_sinc(static_cast<double>(i) / static_cast<double>(per_sample), cut_off, half_length);
     entries_.tail(2).setZero();
   }
 

@@ -30,11 +30,13 @@ void drop_times(Json& json) {
 namespace {
 
 /// What all files of one run carry, so that files of two runs are told apart: 16 hexadecimal digits, a hash of the case
-/// with all its defaults and of the numbers in its summary. Times that were taken are left out: the same run again has
-/// the same identity.
+/// with all its defaults and of the numbers in its summary. Times that were taken are left out, and what an earlier run
+/// left to a resumed one: the same run again has the same identity.
 std::string run_identity(const Study& study, const Json& summary) {
   Json numbers = summary;
   drop_times(numbers);
+  if (const auto inference = numbers.find("inference"); inference != numbers.end())
+    inference->erase("evaluations_from_earlier_run");
   Hash hash;
   hash.add(study.resolved_case);
   hash.add(numbers.dump(-1, ' ', false, Json::error_handler_t::replace));

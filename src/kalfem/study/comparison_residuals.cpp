@@ -51,6 +51,11 @@ std::vector<double> measured_frequencies(const d::Frequencies& given) {
   }
 }
 
+std::string two_digits(double value) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
+  return value >= 10.0 ? shortest(std::round(value)) : shortest(std::round(value / unit) / std::round(1.0 / unit));
+}
+
 /// A point by its name in the substructure: a degree of freedom or a named combination.
 DofCombination point_of(const LinearModel& model, const Name& name) {
   if (const auto point = model.points.find(name.value); point != model.points.end()) return point->second;
@@ -67,8 +72,9 @@ DofCombination point_of(const LinearModel& model, const Name& name) {
 /// (continuation).
 class ResidualMaker {
 public:
-  ResidualMaker(const CaseStudy& study, std::shared_ptr<const ParameterisedStructure> structure, std::string name)
-      : study_(study), structure_(std::move(structure)), name_(std::move(name)) {}
+  ResidualMaker(const CaseStudy& study, std::shared_ptr<const ParameterisedStructure> structure, std::string name,
+                std::vector<std::string>& warnings)
+      : study_(study), structure_(std::move(structure)), name_(std::move(name)), warnings_(warnings) {}
 
   ComparisonResidual operator()(const d::ModalData& given) const {
     const auto model = structure_->model_of(given.substructure.value);
@@ -175,7 +181,29 @@ private:
         read_record_file(source.file.value, columns, {.sample_rate = source.sample_rate, .dataset = source.dataset});
     const auto segment = static_cast<Index>(std::llround(source.segment * record.sample_rate));
     measured.response = estimate_h1(std::span(&record, 1), source.input, outputs, {.segment = segment}).response;
+    warn_of_leakage(measured.response, given, source.segment);
     return measured;
+  }
+
+  /// A window widens a resonance by about one and a half lines: where its half-power bandwidth 2 zeta f is not much
+  /// more, the damping comes out too large.
+  void warn_of_leakage(const FrequencyResponse& response, const d::FrfData& given, double segment) const {
+    constexpr double fewest_lines = 2.0;
+    const auto in_bands = [&](double frequency) {
+      return given.bands.empty() || std::ranges::any_of(given.bands, [&](const auto& band) {
+               return frequency >= band[0] && frequency <= band[1];
+             });
+    };
+    for (const auto& peak : find_peaks(response)) {
+      if (!peak.damping || !in_bands(peak.frequency)) continue;
+      const double width = 2.0 * *peak.damping * peak.frequency;
+      if (width * segment >= fewest_lines) continue;
+      warnings_.push_back(owner() + ": the resonance at " + two_digits(peak.frequency) + " Hz is " + two_digits(width) +
+                          " Hz wide, " + two_digits(width * segment) + " lines of a segment of " + shortest(segment) +
+                          " s: leakage of the window makes its damping too large; give a segment of " +
+                          shortest(std::ceil(2.0 * fewest_lines / width)) + " s or more, or compare the record itself");
+      return;  // the lowest one is the narrowest
+    }
   }
 
   [[nodiscard]] std::string owner() const { return "update.compare." + name_; }
@@ -229,6 +257,7 @@ private:
   const CaseStudy& study_;
   std::shared_ptr<const ParameterisedStructure> structure_;
   std::string name_;
+  std::vector<std::string>& warnings_;
 };
 
 /// Resolves the names of a comparison with the record. The residual itself is made once the record is known.
@@ -267,7 +296,7 @@ private:
 
 }  // namespace
 
-void add_comparisons(const CaseStudy& study, UpdatingPlan& plan) {
+void add_comparisons(const CaseStudy& study, UpdatingPlan& plan, std::vector<std::string>& warnings) {
   IssueList issues;
   for (const auto& [name, given] : study.given.update->comparisons) {
     const auto of_record = [&](const auto& data) {
@@ -281,7 +310,7 @@ void add_comparisons(const CaseStudy& study, UpdatingPlan& plan) {
       } else if (const auto* simulated = std::get_if<d::SimulatedHistory>(&given.value.data)) {
         of_record(*simulated);
       } else {
-        plan.comparisons.push_back(std::visit(ResidualMaker(study, plan.structure, name), given.value.data));
+        plan.comparisons.push_back(std::visit(ResidualMaker(study, plan.structure, name, warnings), given.value.data));
         plan.comparisons.back().weight = given.value.weight;
       }
     } catch (const InvalidInput& error) {

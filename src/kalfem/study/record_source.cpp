@@ -12,6 +12,7 @@
 #include "kalfem/formats/measured_selection.hpp"
 #include "kalfem/formats/record_file.hpp"
 #include "kalfem/records/channel_calibration.hpp"
+#include "kalfem/records/oversampling.hpp"
 #include "kalfem/system/sensors/output_map.hpp"
 #include "kalfem/yaml/bounds.hpp"
 
@@ -272,6 +273,28 @@ Record read_sensor_channel(const description::Case& given, const std::string& se
   });
 }
 
+namespace {
+
+/// Names the sensors that move fast for their sampling rate, beyond what their white noise shows there. A channel that
+/// lacks samples is left out: its rate is a lower one, or its gaps would count.
+void tell_fast_channels(PreparedRecord& prepared) {
+  constexpr double told = 0.05;  // of the variance
+  const Record& record = prepared.record;
+  for (std::size_t j = 0; j < record.channels.size(); ++j) {
+    const Eigen::VectorXd samples = record.values.row(static_cast<Index>(j)).transpose();
+    if (!samples.allFinite() || !needs_oversampling(samples)) continue;
+    const double variance = (samples.array() - samples.mean()).square().mean();
+    const double noise = 0.5 * record.channels[j].noise * record.channels[j].noise;
+    const double share = share_above_quarter(samples) - noise / variance;
+    if (share > told)
+      prepared.preparation.push_back(record.channels[j].name + ": without its noise, " +
+                                     fast_content(share, record.sample_rate) +
+                                     "; a higher rate would show more of its motion");
+  }
+}
+
+}  // namespace
+
 void check_noise(const Study& study, const Record& record, const std::string& channel) {
   IssueList issues;
   for (std::size_t i = 0; i < record.channels.size(); ++i) {
@@ -295,6 +318,9 @@ void set_noise(const Study& study, Record& record) {
   check_noise(study, record, "its channel");
 }
 
-void set_noise(Study& study) { set_noise(study, study.record->record); }
+void set_noise(Study& study) {
+  set_noise(study, study.record->record);
+  tell_fast_channels(*study.record);
+}
 
 }  // namespace kalfem

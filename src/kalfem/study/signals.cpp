@@ -8,6 +8,7 @@
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/record_file.hpp"
 #include "kalfem/records/gap_bridge.hpp"
+#include "kalfem/records/oversampling.hpp"
 #include "kalfem/study/alignment.hpp"
 #include "kalfem/study/assembly.hpp"
 #include "kalfem/system/signals/deterministic.hpp"
@@ -98,10 +99,6 @@ private:
 
 SignalPtr with_measured_rate(SignalPtr value, SignalPtr rate) {
   return std::make_shared<const WithMeasuredRate>(std::move(value), std::move(rate));
-}
-
-SignalPtr sampled(const Record& table) {
-  return make_sampled(table.values.row(0).transpose(), {.sample_rate = table.sample_rate, .start = table.start});
 }
 
 /// Makes the signal of one excitation. An accelerated ground needs its displacement: sums of sines and pulses are
@@ -211,7 +208,7 @@ private:
     if (g.align) prepared.preparation.push_back(align(table, g));
     table.start -= g.delay;
     tell_preparation("excitation '" + name_ + "'", prepared);
-    const auto signal = sampled(table);
+    const auto signal = sampled(table, "excitation '" + name_ + "'");
     return integrated({.start = table.start, .step = 1.0 / table.sample_rate, .knots = table.samples()}, signal);
   }
 
@@ -224,9 +221,11 @@ private:
            shortest(std::round(found.correlation * 1e3) / 1e3) + "), which is taken out";
   }
   SignalPtr from(const d::ChannelSignal& g) {
-    const Record table = channel_of(g, unit_);
-    if (!excitation_.velocity) return sampled(table);
-    return with_measured_rate(sampled(table), sampled(channel_of(*excitation_.velocity, unit_ + "/s")));
+    const auto channel = [&](const d::ChannelSignal& column, const std::string& unit) {
+      return sampled(channel_of(column, unit), "channel '" + column.channel.value + "'");
+    };
+    if (!excitation_.velocity) return channel(g, unit_);
+    return with_measured_rate(channel(g, unit_), channel(*excitation_.velocity, unit_ + "/s"));
   }
   SignalPtr from(const d::Clock& /*time*/) { return std::make_shared<const ClockSignal>(); }
   SignalPtr from(const d::Delayed& g) { return after(g.input, g.delay); }
@@ -257,6 +256,15 @@ private:
     prepare_channels(prepared, column.prepare);
     tell_preparation("channel '" + column.channel.value + "'", prepared);
     return prepared.record;
+  }
+
+  /// The signal through the samples of a table, which is told where a spline alone would not do.
+  SignalPtr sampled(const Record& table, const std::string& of) const {
+    const Eigen::VectorXd samples = table.values.row(0).transpose();
+    if (needs_oversampling(samples))
+      all_.notes.preparation.push_back(of + ": " + fast_content(share_above_quarter(samples), table.sample_rate) +
+                                       "; interpolated as a band-limited signal");
+    return make_sampled(samples, {.sample_rate = table.sample_rate, .start = table.start});
   }
 
   void tell_preparation(const std::string& of, const PreparedRecord& prepared) const {

@@ -167,7 +167,7 @@ private:
            if (study_.given.update) study_.updating = make_updating_setup(study_, issues);
          });
     step(comparisons, {update, parameters}, {"update"}, [&](IssueList&) {
-      if (study_.updating) study_.updating_plan = make_updating_plan(study_);
+      if (study_.updating) study_.updating_plan = make_updating_plan(study_, study_.warnings);
     });
     step(modifications, {parts, model, modifications}, {"modifications"},
          [&](IssueList& issues) { study_.modifications = make_modifications(study_, issues); });

@@ -155,7 +155,7 @@ UpdatingSetup make_updating_setup(const CaseStudy& study, IssueList& issues) {
   return setup;
 }
 
-UpdatingPlan make_updating_plan(const CaseStudy& study) {
+UpdatingPlan make_updating_plan(const CaseStudy& study, std::vector<std::string>& warnings) {
   const d::Updating& given = *study.given.update;
   const auto& [parameters, bindings, truth] = *study.updating;
   UpdatingPlan plan{.method = given.method, .starts = given.starts, .seed = given.seed};
@@ -173,7 +173,7 @@ UpdatingPlan make_updating_plan(const CaseStudy& study) {
   plan.location = study.given.source.at({"update", "parameters"});
   for (const auto& parameter : parameters)
     plan.parameter_locations[parameter.name] = study.given.source.at({"update", "parameters", parameter.name});
-  add_comparisons(study, plan);
+  add_comparisons(study, plan, warnings);
   return plan;
 }
 

@@ -14,11 +14,11 @@ namespace kalfem {
 UpdatingSetup make_updating_setup(const CaseStudy& study, IssueList& issues);
 
 /// The search and the comparisons. Needs the study's setup. Throws InvalidInput with every problem of the comparisons.
-UpdatingPlan make_updating_plan(const CaseStudy& study);
+UpdatingPlan make_updating_plan(const CaseStudy& study, std::vector<std::string>& warnings);
 
 /// Adds everything under `update.compare` to the plan, in the order of the file: residuals of the comparisons that need
 /// no record, and the requests of those that do. Throws InvalidInput with every problem and its place.
-void add_comparisons(const CaseStudy& study, UpdatingPlan& plan);
+void add_comparisons(const CaseStudy& study, UpdatingPlan& plan, std::vector<std::string>& warnings);
 
 /// Checks the comparisons without computing: their substructures and sensors must exist, and so must the record if they
 /// need one. Problems go to `issues`.

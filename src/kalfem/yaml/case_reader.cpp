@@ -18,6 +18,7 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/regular_file.hpp"
 #include "kalfem/base/text.hpp"
+#include "kalfem/yaml/yaml_mistakes.hpp"
 
 namespace kalfem {
 namespace {
@@ -215,12 +216,27 @@ private:
     fail(line, "a key is missing before ':'", "write name: value");
   }
 
+  /// Whether {k: 1,5 N/m} was read as the entry k: 1, and as a key "5 N/m" without a value.
+  static bool has_decimal_comma(const YamlNode& map, const YamlEntry& entry) {
+    const auto is_digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
+    if (map.entries.empty() || entry.value->kind != YamlNode::Kind::null || !is_digit(entry.key.front())) return false;
+    const auto& [key, line, value] = map.entries.back();
+    return line == entry.line && value->kind == YamlNode::Kind::scalar && !value->text.empty() &&
+           std::ranges::all_of(value->text, [&](char c) { return is_digit(c) || c == '-' || c == '+'; });
+  }
+
   void add_entry(YamlNodePtr value) {
     Unfinished& map = open_.back();
     YamlEntry entry = *std::exchange(map.key, std::nullopt);
     entry.value = std::move(value);
     if (entry.key == "<<") {
       map.merged.push_back(entry.value);
+    } else if (has_decimal_comma(map.node, entry)) {
+      YamlEntry& cut = map.node.entries.back();
+      const std::string number = cut.value->text + "," + entry.key;
+      issues_.add({name_, entry.line}, "'" + cut.key + ": " + number + "' has a decimal comma",
+                  "a comma separates the entries of a map",
+                  "write the decimals with a point: " + cut.key + ": " + cut.value->text + "." + entry.key);
     } else if (const auto [first, is_new] = map.keys.emplace(entry.key, entry.line); !is_new) {
       issues_.add({name_, entry.line}, "'" + entry.key + "' is given twice",
                   "first on line " + std::to_string(first->second), "remove one of them");
@@ -290,10 +306,7 @@ YamlNodePtr parse_yaml(const std::string& text, const std::string& name, const E
                  "a case file must be one document", "remove it");
     builder.root = first;
   } catch (const YAML::Exception& error) {
-    throw InvalidInput(Issue{{name, std::max(1, error.mark.line + 1)},
-                             "this is not YAML",
-                             error.msg,
-                             "check indentation, quotes and brackets"});
+    throw InvalidInput(yaml_mistake(text, name, std::max(1, error.mark.line + 1), error.msg));
   }
   if (!builder.root || builder.root->kind == YamlNode::Kind::null)
     throw InvalidInput(Issue{{name, 1}, "the file is empty", "", "write a case into it"});

@@ -6,9 +6,11 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/invalid_input.hpp"
@@ -150,27 +152,37 @@ struct Columns {
 // Reading goes in the order in which each step needs the one before: content lines, separator, decimal sign, whether
 // the first line is a header, titles, then the wanted columns as numbers. Problems of one step are reported together
 // before the next one begins.
-/// A file opened, its dialect and titles known, its numbers not yet read.
+/// A file opened, its dialect and titles known, its numbers not yet read. The rows are read one by one: a file may be
+/// larger than the memory.
 class CsvFile {
 public:
   CsvFile(const std::filesystem::path& path, const CsvOptions& options)
-      : problems(path.string()), options_(options), text_(path), lines_(content_lines(text_.view())) {
-    if (lines_.empty()) throw InvalidInput(Issue{{path.string(), 0}, "the file has no data", "", "check the path"});
-    if (options.rows) lines_.resize(std::min(lines_.size(), static_cast<std::size_t>(*options.rows) + 1));
-    dialect_ = find_dialect(lines_, options);
-    titles = titles_of(lines_.front(), dialect_, problems);
+      : problems(path.string()), options_(options), text_(path) {
+    const auto first = first_lines();
+    if (first.empty()) throw InvalidInput(Issue{{path.string(), 0}, "the file has no data", "", "check the path"});
+    dialect_ = find_dialect(first, options);
+    title_line_ = dialect_.header ? first.front().number : 0;
+    titles = titles_of(first.front(), dialect_, problems);
     problems.raise();
+    constexpr double margin = 1.02;
+    const auto looked_at = static_cast<double>(first.back().text.data() - text_.view().data()) + 1.0;
+    likely_rows_ = static_cast<std::size_t>(margin * static_cast<double>(first.size()) *
+                                            static_cast<double>(text_.view().size()) / looked_at) +
+                   first.size();
   }
 
-  [[nodiscard]] int title_line() const { return dialect_.header ? lines_.front().number : 0; }
+  [[nodiscard]] int title_line() const { return title_line_; }
 
-  /// The rows of the named columns (empty: all), of which the first `complete` must not miss values.
+  /// The rows of the named columns (empty: all), of which the first `complete`, one at most, must not miss values and
+  /// are kept apart.
   Columns read(const std::vector<std::string>& wanted, std::size_t complete, BlankRows blank) {
-    const auto positions = positions_of(wanted, titles, title_line(), problems);
+    const auto positions = positions_of(wanted, titles, title_line_, problems);
     problems.raise();
     NumberRows rows(positions, names_of(titles), dialect_.decimal);
     if (options_.missing) rows.allow_missing_from(complete);
-    for (const TextLine& line : row_lines(blank)) add_row(rows, line);
+    if (complete > 0) rows.separate_first();
+    rows.reserve(options_.rows ? static_cast<std::size_t>(*options_.rows) : likely_rows_);
+    read_rows(rows, blank);
     problems.raise();
     Columns columns{{}, std::move(rows)};
     for (const auto position : positions) columns.titles.push_back(titles[position]);
@@ -181,45 +193,73 @@ public:
   std::vector<Channel> titles;
 
 private:
-  [[nodiscard]] std::vector<TextLine> row_lines(BlankRows blank) const {
-    std::vector<TextLine> rows = blank == BlankRows::count ? with_blank_rows() : lines_;
-    if (dialect_.header) rows.erase(rows.begin());
-    if (options_.rows) rows.resize(std::min(rows.size(), static_cast<std::size_t>(*options_.rows)));
-    return rows;
+  /// Lines that tell the dialect: those up to the fiftieth with a point or a comma, or all.
+  [[nodiscard]] std::vector<TextLine> first_lines() const {
+    constexpr int enough = 52;
+    const std::size_t most =
+        options_.rows ? static_cast<std::size_t>(*options_.rows) + 1 : std::numeric_limits<std::size_t>::max();
+    std::vector<TextLine> lines;
+    LineWalk reader(text_.view());
+    TextLine line;
+    for (int with_sign = 0; lines.size() < most && with_sign < enough && reader.next(line);) {
+      if (!has_content(line.text)) continue;
+      lines.push_back(line);
+      with_sign += line.text.find_first_of(",.") != std::string_view::npos ? 1 : 0;
+    }
+    return lines;
   }
 
-  // Without a time column a row's number is its time: a row without values must keep its place.
-  /// The lines with those between them that hold separators and blanks alone; a line without any separator is such a
-  /// row where there is one column.
-  [[nodiscard]] std::vector<TextLine> with_blank_rows() const {
-    std::vector<TextLine> rows;
-    auto content = lines_.begin();
-    for (const TextLine& line : split_lines(text_.view())) {
-      if (content == lines_.end()) break;
-      if (line.number == content->number)
-        rows.push_back(*content++);
-      else if (content != lines_.begin() && trimmed(line.text).empty() &&
-               (titles.size() == 1 || (dialect_.separator == '\t' && line.text.find('\t') != std::string_view::npos)))
-        rows.push_back(line);
+  // Without a time column a row's number is its time: a row without values must keep its place. Blank rows count where
+  // a row with content follows.
+  void read_rows(NumberRows& rows, BlankRows blank) {
+    constexpr std::ptrdiff_t released_at_once = 16 << 20;
+    const std::size_t most =
+        options_.rows ? static_cast<std::size_t>(*options_.rows) : std::numeric_limits<std::size_t>::max();
+    const char* released = text_.view().data();
+    std::vector<TextLine> blank_rows;
+    bool begun = false;
+    LineWalk reader(text_.view());
+    for (TextLine line; rows.lines().size() < most && reader.next(line);) {
+      if (line.text.data() - released > released_at_once) {
+        released = line.text.data();
+        text_.release_before(released);
+      }
+      if (!has_content(line.text)) {
+        if (begun && blank == BlankRows::count && is_blank_row(line)) blank_rows.push_back(line);
+        continue;
+      }
+      if (std::exchange(begun, true) || !dialect_.header) {
+        for (const TextLine& each : blank_rows) add_row(rows, each);
+        add_row(rows, line);
+        blank_rows.clear();
+      }
     }
-    return rows;
+  }
+
+  /// A line that holds separators and blanks alone; a line without any separator is such a row where there is one
+  /// column.
+  [[nodiscard]] bool is_blank_row(const TextLine& line) const {
+    return trimmed(line.text).empty() &&
+           (titles.size() == 1 || (dialect_.separator == '\t' && line.text.find('\t') != std::string_view::npos));
   }
 
   void add_row(NumberRows& rows, const TextLine& line) {
-    auto cells = split_cells(line.text, dialect_.separator);
-    if (cells.empty()) cells.emplace_back();
-    if (cells.size() == titles.size() + 1 && cells.back().empty()) cells.pop_back();
-    if (cells.size() == titles.size()) return rows.add(line.number, cells, problems);
+    split_cells(line.text, dialect_.separator, cells_);
+    if (cells_.empty()) cells_.emplace_back();
+    if (cells_.size() == titles.size() + 1 && cells_.back().empty()) cells_.pop_back();
+    if (cells_.size() == titles.size()) return rows.add(line.number, cells_, problems);
     problems.add(
         line.number,
-        "the line has " + std::to_string(cells.size()) + " cells, the first line " + std::to_string(titles.size()),
+        "the line has " + std::to_string(cells_.size()) + " cells, the first line " + std::to_string(titles.size()),
         "every line needs the same number of cells", "correct the line; check the separator and the decimal sign");
   }
 
   CsvOptions options_;
   MappedText text_;
-  std::vector<TextLine> lines_;
   Dialect dialect_;
+  int title_line_ = 0;
+  std::size_t likely_rows_ = 0;
+  std::vector<std::string_view> cells_;  ///< of the present line
 };
 
 double seconds_per(const Channel& time, FileProblems& problems) {
@@ -234,12 +274,12 @@ double seconds_per(const Channel& time, FileProblems& problems) {
   }
 }
 
-/// Takes the first column of the table as time.
-CsvRecord with_time_column(const Columns& columns, const CsvOptions& options, FileProblems& problems) {
-  const auto& [titles, numbers] = columns;
-  const Channel& time = titles.front();
-  const auto values = numbers.by_column();
-  const Eigen::VectorXd stamps = values.row(0).transpose() * seconds_per(time, problems);
+/// Takes the first column of the table, which is kept apart, as time.
+CsvRecord with_time_column(Columns columns, const CsvOptions& options, FileProblems& problems) {
+  auto& [titles, numbers] = columns;
+  const Channel time = titles.front();
+  Eigen::VectorXd stamps = numbers.take_first();
+  stamps *= seconds_per(time, problems);
   const TimeAxisOptions axis_options{.column = time.name, .jitter = options.jitter, .sample_rate = options.sample_rate};
   CsvRecord read{.record = {.channels = {titles.begin() + 1, titles.end()}}};
   auto& record = read.record;
@@ -248,13 +288,14 @@ CsvRecord with_time_column(const Columns& columns, const CsvOptions& options, Fi
     problems.raise();
     record.sample_rate = axis.sample_rate;
     record.start = axis.start;
-    record.values = values.bottomRows(values.rows() - 1);
+    record.values = numbers.take_by_column();
     return read;
   }
   const StatedTimes stated =
       stated_times(stamps, numbers.lines(), axis_options, options.missing, problems, options.notes);
   problems.raise();
-  record.values = values.bottomRows(values.rows() - 1);
+  stamps.resize(0);
+  record.values = numbers.take_by_column();
   if (!stated.order.empty()) record.values = record.values(Eigen::all, stated.order).eval();
   read.times = stated.times.times;
   record.start = stated.times.start;
@@ -285,11 +326,10 @@ CsvRecord read_csv_record(const std::filesystem::path& path, const CsvOptions& o
   std::erase(wanted, time);
   if (time.empty()) {
     auto [titles, numbers] = file.read(wanted, 0, BlankRows::count);
-    return {{*options.sample_rate, 0.0, std::move(titles), numbers.by_column()}, file.title_line()};
+    return {{*options.sample_rate, 0.0, std::move(titles), numbers.take_by_column()}, file.title_line()};
   }
   wanted.insert(wanted.begin(), time);
-  const Columns columns = file.read(wanted, 1, BlankRows::none);
-  CsvRecord read = with_time_column(columns, options, file.problems);
+  CsvRecord read = with_time_column(file.read(wanted, 1, BlankRows::none), options, file.problems);
   read.title_line = file.title_line();
   return read;
 }

@@ -19,6 +19,10 @@ public:
   MappedText& operator=(const MappedText&) = delete;
 
   [[nodiscard]] std::string_view view() const { return view_; }
+  /// Gives the memory before a place in view() back to the system, see MappedFile.
+  void release_before(const char* place) const {
+    if (converted_.empty()) file_.release_before(place);
+  }
 
 private:
   MappedFile file_;

@@ -25,10 +25,26 @@ using Eigen::VectorXd;
 
 enum class Content { text, number, stamp };
 
+enum class LookedAt { all, ends };
+
+/// The lines with content; of a large text, where only its `ends` are looked at, those of its first and last two MiB.
+/// The numbers of the last ones then count from there.
+std::vector<TextLine> lines_of(std::string_view text, LookedAt looked_at) {
+  constexpr std::size_t end_size = 2 << 20;
+  const std::size_t head = text.substr(0, end_size).rfind('\n');
+  if (looked_at == LookedAt::all || text.size() < 4 * end_size || head == std::string_view::npos)
+    return content_lines(text);
+  std::vector<TextLine> lines = content_lines(text.substr(0, head + 1));
+  const std::string_view tail = text.substr(text.size() - end_size);
+  const auto last = content_lines(tail.substr(tail.find('\n') + 1));
+  lines.insert(lines.end(), last.begin(), last.end());
+  return lines;
+}
+
 class TableReader {
 public:
-  explicit TableReader(const std::filesystem::path& path)
-      : path_(path.string()), problems_(path_), text_(path), lines_(content_lines(text_.view())) {}
+  explicit TableReader(const std::filesystem::path& path, LookedAt looked_at = LookedAt::all)
+      : path_(path.string()), problems_(path_), text_(path), lines_(lines_of(text_.view(), looked_at)) {}
 
   MeasuredFile read() {
     find_dialect();
@@ -347,6 +363,6 @@ private:
 
 MeasuredFile read_measured_table(const std::filesystem::path& path) { return TableReader(path).read(); }
 
-bool is_plain_table(const std::filesystem::path& path) { return TableReader(path).is_plain(); }
+bool is_plain_table(const std::filesystem::path& path) { return TableReader(path, LookedAt::ends).is_plain(); }
 
 }  // namespace kalfem

@@ -110,17 +110,20 @@ std::string read_text(const std::filesystem::path& path) {
 
 std::string read_content(const std::filesystem::path& path) { return as_utf8(MappedFile(path).bytes()); }
 
+bool LineWalk::next(TextLine& line) {
+  if (rest_.empty()) return false;
+  const std::size_t end = rest_.find(line_end_);
+  line.text = rest_.substr(0, end);
+  if (line.text.ends_with('\r')) line.text.remove_suffix(1);
+  line.number = ++number_;
+  rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
+  return true;
+}
+
 std::vector<TextLine> split_lines(std::string_view text) {
   std::vector<TextLine> lines;
-  int number = 0;
-  const char line_end = text.find('\n') == std::string_view::npos ? '\r' : '\n';
-  while (!text.empty()) {
-    const std::size_t end = text.find(line_end);
-    std::string_view line = text.substr(0, end);
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    lines.push_back({line, ++number});
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-  }
+  LineWalk reader(text);
+  for (TextLine line; reader.next(line);) lines.push_back(line);
   return lines;
 }
 
@@ -130,12 +133,16 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
+bool has_content(std::string_view line) {
+  const std::string_view content = trimmed(line);
+  return !content.empty() && content.front() != '#' && content.front() != '%';
+}
+
 std::vector<TextLine> content_lines(std::string_view text) {
-  std::vector<TextLine> lines = split_lines(text);
-  std::erase_if(lines, [](const TextLine& line) {
-    const std::string_view content = trimmed(line.text);
-    return content.empty() || content.front() == '#' || content.front() == '%';
-  });
+  std::vector<TextLine> lines;
+  LineWalk reader(text);
+  for (TextLine line; reader.next(line);)
+    if (has_content(line.text)) lines.push_back(line);
   return lines;
 }
 
@@ -164,17 +171,31 @@ char find_decimal(const std::vector<TextLine>& lines, char separator) {
   return commas > points ? ',' : '.';
 }
 
-std::vector<std::string_view> split_cells(std::string_view line, char separator) {
-  if (separator == ' ') return split_blanks(line);
-  std::vector<std::string_view> cells;
+void split_cells(std::string_view line, char separator, std::vector<std::string_view>& cells) {
+  if (separator == ' ') {
+    cells = split_blanks(line);
+    return;
+  }
+  cells.clear();
+  const bool has_quotes = line.find('"') != std::string_view::npos;
   bool quoted = false;
   std::size_t begin = 0;
-  for (std::size_t i = 0; i <= line.size(); ++i) {
-    if (i < line.size() && line[i] == '"') quoted = !quoted;
-    if (i < line.size() && (quoted || line[i] != separator)) continue;
-    cells.push_back(unquoted(trimmed(line.substr(begin, i - begin))));
-    begin = i + 1;
+  const auto add = [&](std::size_t end) {
+    cells.push_back(unquoted(trimmed(line.substr(begin, end - begin))));
+    begin = end + 1;
+  };
+  for (std::size_t i = 0; has_quotes && i < line.size(); ++i) {
+    if (line[i] == '"') quoted = !quoted;
+    if (!quoted && line[i] == separator) add(i);
   }
+  if (!has_quotes)
+    for (std::size_t i = line.find(separator); i != std::string_view::npos; i = line.find(separator, i + 1)) add(i);
+  add(line.size());
+}
+
+std::vector<std::string_view> split_cells(std::string_view line, char separator) {
+  std::vector<std::string_view> cells;
+  split_cells(line, separator, cells);
   return cells;
 }
 
@@ -229,14 +250,26 @@ void FileProblems::raise() const {
 NumberRows::NumberRows(std::vector<std::size_t> columns, std::vector<std::string> names, char decimal)
     : columns_(std::move(columns)), names_(std::move(names)), decimal_(decimal) {}
 
+void NumberRows::reserve(std::size_t rows) {
+  const Eigen::Index count = static_cast<Eigen::Index>(rows), apart = first_apart_ ? 1 : 0;
+  lines_.reserve(rows);
+  if (first_apart_) first_.conservativeResize(count);
+  numbers_.conservativeResize(static_cast<Eigen::Index>(columns_.size()) - apart, count);
+}
+
 void NumberRows::add(int line, const std::vector<std::string_view>& cells, FileProblems& problems) {
+  const auto row = std::ssize(lines_);
+  if (row == numbers_.cols()) reserve(std::max<std::size_t>(64, 3 * lines_.size() / 2));
   lines_.push_back(line);
   for (std::size_t i = 0; i < columns_.size(); ++i) {
     const std::string_view cell = cells[columns_[i]];
     const std::optional<double> number = parse_number(cell, decimal_);
-    const bool usable = number && std::isfinite(*number), missing = is_missing_value(cell);
-    numbers_.push_back(usable ? *number : NAN);
-    if (usable || (missing && missing_from_ && i >= *missing_from_)) continue;
+    const bool usable = number && std::isfinite(*number);
+    const auto place = static_cast<Eigen::Index>(i) - (first_apart_ ? 1 : 0);
+    (place < 0 ? first_[row] : numbers_(place, row)) = usable ? *number : NAN;
+    if (usable) continue;
+    const bool missing = is_missing_value(cell);
+    if (missing && missing_from_ && i >= *missing_from_) continue;
     problems.add(line,
                  "column '" + names_[columns_[i]] + "' " +
                      (cell.empty() ? "is empty" : "holds '" + std::string(cell.substr(0, 40)) + "'"),
@@ -248,7 +281,17 @@ void NumberRows::add(int line, const std::vector<std::string_view>& cells, FileP
 }
 
 Eigen::Map<const Eigen::MatrixXd> NumberRows::by_column() const {
-  return {numbers_.data(), static_cast<Eigen::Index>(columns_.size()), static_cast<Eigen::Index>(lines_.size())};
+  return {numbers_.data(), numbers_.rows(), std::ssize(lines_)};
+}
+
+Eigen::MatrixXd NumberRows::take_by_column() {
+  numbers_.conservativeResize(Eigen::NoChange, std::ssize(lines_));
+  return std::move(numbers_);
+}
+
+Eigen::VectorXd NumberRows::take_first() {
+  first_.conservativeResize(std::ssize(lines_));
+  return std::move(first_);
 }
 
 namespace {

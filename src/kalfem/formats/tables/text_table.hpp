@@ -44,11 +44,28 @@ std::string read_text(const std::filesystem::path& path);
 /// The same of a file that may hold bytes that are no text: its lines may have any length.
 std::string read_content(const std::filesystem::path& path);
 
+/// The lines of a text, one by one.
+class LineWalk {
+public:
+  explicit LineWalk(std::string_view text)
+      : rest_(text), line_end_(text.find('\n') == std::string_view::npos ? '\r' : '\n') {}
+  /// The next line; false at the end of the text.
+  bool next(TextLine& line);
+
+private:
+  std::string_view rest_;
+  char line_end_;
+  int number_ = 0;
+};
+
 std::vector<TextLine> split_lines(std::string_view text);
 
 std::string_view trimmed(std::string_view text);
 
-/// The lines that are neither blank nor comments, which begin with # or %.
+/// Whether a line is neither blank nor a comment, which begins with # or %.
+bool has_content(std::string_view line);
+
+/// The lines that have content.
 std::vector<TextLine> content_lines(std::string_view text);
 
 /// The strongest separator (; tab , space) in the second line, which is data whether there is a header or not.
@@ -61,6 +78,8 @@ char find_decimal(const std::vector<TextLine>& lines, char separator);
 /// The cells between separators, trimmed, quotation marks removed; a separator inside quotation marks belongs to its
 /// cell. The separator ' ' stands for any run of blanks and tabs.
 std::vector<std::string_view> split_cells(std::string_view line, char separator);
+/// The same into a vector whose memory is used again.
+void split_cells(std::string_view line, char separator, std::vector<std::string_view>& cells);
 
 /// The number that fills the whole cell (NaN and infinities included, Fortran's exponents 1.5D+03 too), or nothing.
 std::optional<double> parse_number(std::string_view cell, char decimal);
@@ -92,9 +111,16 @@ public:
   NumberRows(std::vector<std::size_t> columns, std::vector<std::string> names, char decimal);
   /// From this one on, the wanted columns may miss values: they become NaN.
   void allow_missing_from(std::size_t wanted) { missing_from_ = wanted; }
+  /// Keeps the first wanted column apart, as take_first() gives it. Before rows are added.
+  void separate_first() { first_apart_ = true; }
+  /// Makes room for so many rows.
+  void reserve(std::size_t rows);
   void add(int line, const std::vector<std::string_view>& cells, FileProblems& problems);
-  /// Wanted columns x rows, as they were added.
+  /// Wanted columns x rows, as they were added; without the first one where that is kept apart.
   [[nodiscard]] Eigen::Map<const Eigen::MatrixXd> by_column() const;
+  /// The same, without a copy: the rows are gone.
+  [[nodiscard]] Eigen::MatrixXd take_by_column();
+  [[nodiscard]] Eigen::VectorXd take_first();
   [[nodiscard]] const std::vector<int>& lines() const { return lines_; }  ///< line of each row
 
 private:
@@ -102,7 +128,9 @@ private:
   std::vector<std::string> names_;
   char decimal_;
   std::optional<std::size_t> missing_from_;
-  std::vector<double> numbers_;
+  bool first_apart_ = false;
+  Eigen::VectorXd first_;    ///< with room for more rows
+  Eigen::MatrixXd numbers_;  ///< columns x rows, with room for more
   std::vector<int> lines_;
 };
 

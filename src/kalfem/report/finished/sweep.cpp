@@ -147,17 +147,37 @@ std::vector<std::string> SweepPlan::values(std::size_t combination) const {
   return values;
 }
 
+namespace {
+
+constexpr std::string_view check_key = ",\"check\":\"";
+
+std::string check_of(std::string_view start) {
+  Hash hash;
+  hash.add(start);
+  return fmt::format("{}{:016x}\"}}", check_key, hash.value());
+}
+
+/// Whether a line ends in the hash of its start.
+bool is_whole(std::string_view line) {
+  const std::size_t end = line.rfind(check_key);
+  return end != std::string_view::npos && line.substr(end) == check_of(line.substr(0, end));
+}
+
+}  // namespace
+
 std::string to_line(const SweepRun& run) {
   const auto text = [](const Json& json) { return json.dump(-1, ' ', true, Json::error_handler_t::replace); };
   Json start{{"run", run.number}, {"values", run.values}, {"seed", nullptr}};
   if (run.seed) start["seed"] = *run.seed;
   if (run.summary.empty()) start["refused"] = run.refused;
   std::string line = text(start);
-  if (!run.summary.empty()) line.replace(line.size() - 1, 1, ",\"summary\":" + run.summary + "}");
-  return line;
+  line.pop_back();  // the brace
+  if (!run.summary.empty()) line += ",\"summary\":" + run.summary;
+  return line + check_of(line);
 }
 
 std::optional<SweepRun> sweep_run_of(const std::string& line) try {
+  if (!is_whole(line)) return std::nullopt;
   const Json json = Json::parse(line);
   SweepRun run{json.at("run"), json.at("values"), std::nullopt, {}, json.value("refused", std::string())};
   if (!json.at("seed").is_null()) run.seed = json.at("seed").get<int>();

@@ -42,9 +42,9 @@ struct SweepRun {
 };
 
 /// The run as JSON on one line, without the line's end: so it stands in runs.jsonl, and so it comes from a worker
-/// elsewhere.
+/// elsewhere. Its last key, `check`, is a hash of what stands before it.
 std::string to_line(const SweepRun& run);
-/// The run of such a line; nothing where the line is cut short.
+/// The run of such a line; nothing where the line is cut short, or is not what was written.
 std::optional<SweepRun> sweep_run_of(const std::string& line);
 
 /// How the runs are made on threads of this process.

@@ -160,11 +160,15 @@ SweepFolder::SweepFolder(const fs::path& folder, const CaseSweep& sweep)
   std::istringstream existing(fs::exists(file) ? read_bytes(file) : "");
   std::string line, text = heading_;
   if (std::getline(existing, line) && line + "\n" == heading_)
-    while (std::getline(existing, line))
+    for (int number = 2; std::getline(existing, line); ++number) {
+      const bool cut_short = existing.eof();
       if (auto run = sweep_run_of(line); run && run->number < plan_.size()) {
         text += line + "\n";
         known_.push_back(std::move(*run));
+      } else if (!cut_short) {
+        damaged_lines_.push_back(number);
       }
+    }
   write_file_atomically(file, text);
   stream_.open(file, std::ios::binary | std::ios::app);
 }

@@ -52,10 +52,13 @@ std::vector<Table> sweep_tables(const SweepPlan& plan, const std::vector<Finishe
 class SweepFolder {
 public:
   /// Reads the runs of a sweep of the same identity; anything else in runs.jsonl gives way to this sweep. A last line
-  /// that is cut short is dropped. Throws as FolderLock, require_writable() and write_file_atomically().
+  /// that is cut short is dropped, and so are lines that were damaged since. Throws as FolderLock, require_writable()
+  /// and write_file_atomically().
   SweepFolder(const std::filesystem::path& folder, const CaseSweep& sweep);
 
   [[nodiscard]] const std::vector<SweepRun>& known() const { return known_; }
+  /// Numbers of the lines of runs.jsonl that are not what was written; their runs are made again.
+  [[nodiscard]] const std::vector<int>& damaged_lines() const { return damaged_lines_; }
   /// Brings the run to runs.jsonl. Throws WriteFailure where the disk takes no more.
   void add(const SweepRun& run);
   /// Writes all files, with all runs in their order: the same bytes, however the runs were distributed.
@@ -67,6 +70,7 @@ private:
   SweepPlan plan_;
   std::string heading_;
   std::vector<SweepRun> known_;
+  std::vector<int> damaged_lines_;
   std::ofstream stream_;
 };
 

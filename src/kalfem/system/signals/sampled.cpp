@@ -3,54 +3,26 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
 #include <utility>
 
+#include "kalfem/base/units.hpp"
+#include "kalfem/records/oversampling.hpp"
 #include "kalfem/system/option_checks.hpp"
+#include "kalfem/system/signals/cubic_spline.hpp"
 
 namespace kalfem {
 namespace {
 
-double second_difference(const Eigen::VectorXd& y, Eigen::Index i) { return y(i - 1) - 2.0 * y(i) + y(i + 1); }
+std::string in_seconds(double time) { return shortest(std::round(time * 1e6) / 1e6) + " s"; }
 
-/// Thomas elimination of x_{i-1} + 4 x_i + x_{i+1} = right_i over first..last, with x known just outside.
-void solve_between(Eigen::VectorXd& x, const Eigen::VectorXd& y, Eigen::Index first, Eigen::Index last) {
-  Eigen::VectorXd weight = Eigen::VectorXd::Zero(x.size());
-  for (Eigen::Index i = first; i <= last; ++i) {
-    const double pivot = 4.0 - weight(i - 1);
-    weight(i) = 1.0 / pivot;
-    x(i) = (6.0 * second_difference(y, i) - x(i - 1)) / pivot;
-  }
-  for (Eigen::Index i = last; i >= first; --i) x(i) -= weight(i) * x(i + 1);
+/// A duration, short ones in milliseconds.
+std::string in_words(double duration) {
+  return duration < 1.0 ? shortest(std::round(duration * 1e6) / 1e3) + " ms" : in_seconds(duration);
 }
 
-/// Second derivatives M of the cubic not-a-knot spline through equidistant samples y, the interval taken as 1:
-///     M_{i-1} + 4 M_i + M_{i+1} = 6 (y_{i-1} - 2 y_i + y_{i+1}),     M_0 = 2 M_1 - M_2,   M_{N-1} = 2 M_{N-2} -
-///     M_{N-3}.
-/// The end conditions turn the first and last equation into M_1 = y_0 - 2 y_1 + y_2 and its mirror image, so what is
-/// left is a tridiagonal system between known values. Fewer than four samples: the parabola or line through them.
-/// Source: de Boor, A Practical Guide to Splines (1978), chapter IV.
-Eigen::VectorXd not_a_knot_curvature(const Eigen::VectorXd& y) {
-  const Eigen::Index n = y.size();
-  Eigen::VectorXd M = Eigen::VectorXd::Zero(n);
-  if (n < 3) return M;
-  if (n == 3) return Eigen::VectorXd::Constant(n, second_difference(y, 1));
-  M(1) = second_difference(y, 1);
-  M(n - 2) = second_difference(y, n - 2);
-  solve_between(M, y, 2, n - 3);
-  M(0) = 2.0 * M(1) - M(2);
-  M(n - 1) = 2.0 * M(n - 2) - M(n - 3);
-  return M;
-}
-
-/// Value, slope and curvature of the cubic between two samples (values y, second derivatives M) at x in [0, 1].
-std::array<double, 3> spline_segment(double y0, double y1, double M0, double M1, double x) {
-  const double r = 1.0 - x;
-  return {r * y0 + x * y1 + (M0 * (r * r * r - r) + M1 * (x * x * x - x)) / 6.0,
-          y1 - y0 + (M0 * (1.0 - 3.0 * r * r) + M1 * (3.0 * x * x - 1.0)) / 6.0, r * M0 + x * M1};
-}
+constexpr Eigen::Index oversampling = 4;  ///< a spline through so many samples in the place of one is right to 0.1 %
 
 constexpr double edge = 1e-6;  // of a sampling interval: instants that rounding moved over an end or a sample
 
@@ -81,11 +53,16 @@ private:
 
   void require_covered(double begin, double end) const {
     if (covers(begin, end)) return;
-    throw InvalidInput("a record from " + to_string(options_.start) + " s to " +
-                           to_string(options_.start + last() / options_.sample_rate) + " s is requested from " +
-                           to_string(begin) + " s to " + to_string(end) + " s",
-                       "it is unknown outside its samples",
-                       "shorten the analysis, supply a longer record, or extend the record with its end values");
+    const double first_time = options_.start, last_time = first_time + last() / options_.sample_rate;
+    const bool early = position(begin) < -edge;
+    throw InvalidInput(
+        early ? "the input begins at " + in_seconds(first_time) + ", " + in_words(first_time - begin) + " after " +
+                    in_seconds(begin) + ", where it is needed"
+              : "the input ends at " + in_seconds(last_time) + ", " + in_words(end - last_time) + " before " +
+                    in_seconds(end) + ", where it is needed",
+        "it is unknown outside its samples",
+        "use the part that the input covers, or supply a longer input; if both were recorded together, their clocks "
+        "differ: correct the sampling rate of one");
   }
 
   /// Value and derivatives at a position counted in samples.
@@ -125,7 +102,11 @@ SignalPtr make_sampled(Eigen::VectorXd values, const SampledOptions& options) {
       break;
     }
   issues.raise();
-  return std::make_shared<Sampled>(std::move(values), options);
+  if (options.interpolation == Interpolation::linear || !needs_oversampling(values))
+    return std::make_shared<Sampled>(std::move(values), options);
+  SampledOptions finer = options;
+  finer.sample_rate *= static_cast<double>(oversampling);
+  return std::make_shared<Sampled>(oversampled(values, oversampling), finer);
 }
 
 }  // namespace kalfem

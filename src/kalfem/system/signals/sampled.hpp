@@ -7,10 +7,12 @@
 namespace kalfem {
 
 /// cubic:  not-a-knot spline: twice continuously differentiable, value of order 4, rate of order 3, acceleration of
-///         order 2 in the sampling interval, up to the ends. Three samples give a parabola, two a line.
+///         order 2 in the sampling interval, up to the ends. Three samples give a parabola, two a line. Samples of
+///         which more than a thousandth of the variance lies above a quarter of the sampling rate are oversampled
+///         first, as a band-limited signal (oversampled(), four times): a spline would lose 3 % at 0.3 of the rate, 16
+///         % at 0.4.
 /// linear: straight between the samples; the rate is the segment's slope (of the segment that begins there, at a
-/// sample),
-///         the second derivative zero. For forces; a base displacement needs `cubic`.
+///         sample), the second derivative zero.
 enum class Interpolation { cubic, linear };
 
 /// What holds before the first and after the last sample: sample() throws, or the end value stays with zero

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kalfem/records/oversampling.hpp"
+
+#include <cmath>
+
+#include "kalfem/base/units.hpp"
+#include "kalfem/records/kaiser_kernel.hpp"
+#include "kalfem/records/signal_continuation.hpp"
+#include "kalfem/records/spectrum.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr Index reach = 32;  ///< samples at either side, which give the kernel a transition of 0.1 of the rate
+
+/// Weights of the samples k - reach + 1 ... k + reach for the instant k + i / factor: row i. They sum up to one.
+MatrixXd phases(Index factor) {
+  MatrixXd weights(factor, 2 * reach);
+  for (Index i = 0; i < factor; ++i) {
+    const double part = static_cast<double>(i) / static_cast<double>(factor);
+    for (Index j = 0; j < 2 * reach; ++j)
+      weights(i, j) = windowed_sinc(static_cast<double>(j - reach + 1) - part, 0.5, static_cast<double>(reach));
+    weights.row(i) /= weights.row(i).sum();
+  }
+  return weights;
+}
+
+}  // namespace
+
+double share_above_quarter(const Eigen::Ref<const VectorXd>& signal) {
+  constexpr double rate = 1.0;
+  const CumulativeSpectrum spectrum(signal, rate);
+  const double all = spectrum.mean_square_below(rate), below = spectrum.mean_square_below(0.25 * rate);
+  return all > 0.0 ? std::max(0.0, 1.0 - below / all) : 0.0;
+}
+
+bool needs_oversampling(const Eigen::Ref<const VectorXd>& signal) {
+  constexpr double matters = 1e-3;  // a spline's error is then about 0.3 % of the signal
+  return signal.size() >= 32 && share_above_quarter(signal) > matters;
+}
+
+std::string fast_content(double share, double sample_rate) {
+  const double percent = 100.0 * share, tenths = percent < 10.0 ? 10.0 : 1.0;
+  return shortest(std::round(percent * tenths) / tenths) + " % of its variance lies above " +
+         shortest(0.25 * sample_rate) + " Hz, a quarter of its sampling rate";
+}
+
+VectorXd oversampled(const Eigen::Ref<const VectorXd>& signal, Index factor) {
+  const Index samples = signal.size();
+  const VectorXd longer = reflected(signal, reach);
+  const MatrixXd weights = phases(factor);
+  VectorXd finer(factor * (samples - 1) + 1);
+  for (Index k = 0; k < samples; ++k) {
+    finer[factor * k] = signal[k];
+    if (k + 1 == samples) break;
+    const auto near = longer.segment(k + 1, 2 * reach);  // from sample k - reach + 1 on
+    for (Index i = 1; i < factor; ++i) finer[factor * k + i] = weights.row(i) * near;
+  }
+  return finer;
+}
+
+}  // namespace kalfem
