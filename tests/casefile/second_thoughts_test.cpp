@@ -33,7 +33,7 @@ double half_width(const RecordEstimate& estimate) {
 
 TEST(SecondThoughts, FollowTheFirstAnswer) {
   std::vector<StudyResults> first;
-  const auto results = run_with("", &first);
+  const auto results = run_with("  second_thoughts: full\n", &first);
   ASSERT_EQ(first.size(), 1U);
   const auto& answer = first.front().get<EstimationOutcome>();
   EXPECT_EQ(answer.second_thoughts, SecondThoughts::pending);
@@ -64,10 +64,10 @@ TEST(SecondThoughts, TakeNoMoreFilterStepsThanTheyMay) {
   std::vector<StudyResults> none;
   const auto without = run_with("  second_thoughts: none\n", &none);
   EXPECT_TRUE(none.empty());  // nothing follows, so it is the only answer
-  // The first answer takes passes with 4 and 2 substeps. Eight substeps are tried where the budget holds two such runs.
-  EXPECT_EQ(run_with("  second_thoughts: 2.6\n").get<EstimationOutcome>().left_out.front(), "more substeps");
-  const auto tried = run_with("  second_thoughts: 2.7\n");
-  EXPECT_GE(tried.get<EstimationOutcome>().substeps.substeps, 4);
+  // The first answer takes passes with 4 and 2 substeps; the run with eight is the estimate's where no more are allowed.
+  EXPECT_EQ(run_with("  second_thoughts: 1.3\n").get<EstimationOutcome>().left_out.front(), "more substeps");
+  const auto tried = run_with("  second_thoughts: 1.4\n");
+  EXPECT_EQ(tried.get<EstimationOutcome>().substeps.substeps, 8);
   EXPECT_LT(tried.get<EstimationOutcome>().substeps.bias[0], 4.0 * without.get<EstimationOutcome>().substeps.bias[0]);
   EXPECT_EQ(tried.get<EstimationOutcome>().second_thoughts, SecondThoughts::stopped);
   const auto full = run_with("  second_thoughts: full\n"), enough = run_with("  second_thoughts: 100\n");

@@ -196,16 +196,14 @@ void RecordEstimation::settle_substeps(StepBudget& budget) {
   const SubstepChoice& first = estimate_.substeps;
   if (!first.limited || !first.chosen || estimate_.result.failure) return;
   const SubstepOptions options{.first = first.substeps};
-  SubstepChoice choice = choose_substeps(problem_, screening_->setup(), screening_->record(), screening_->options(),
-                                         estimate_.result, first, budget, options);
+  auto [choice, run] = kalfem::settle_substeps(
+      *problem_, screening_->setup(), screening_->record(), [&](int substeps) { return screening_->run(substeps); },
+      estimate_.result, first, budget, options);
   if (choice.stopped) estimate_.leave_out("more substeps");
-  if (choice.substeps == first.substeps) {
+  if (run)
+    evaluate(*std::move(run), std::move(choice));
+  else
     estimate_.substeps = std::move(choice);
-    return;
-  }
-  FilteredRecord finer = screening_->run(choice.substeps);
-  if (!finer.result.failure) return evaluate(std::move(finer), std::move(choice));
-  estimate_.substeps = kept_at_first(std::move(choice), first.substeps);
 }
 
 /// The run of the estimate, with fewer substeps where it has many.

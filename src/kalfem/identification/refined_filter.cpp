@@ -62,121 +62,39 @@ double square_of_ratio(int finer, int coarser) {
   return ratio * ratio;
 }
 
-/// Runs the filter with fewer and more substeps, to see what these change of the estimates.
-class SubstepSearch {
-public:
-  SubstepSearch(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
-                const EstimationOptions& options, const SubstepOptions& substeps)
-      : problem_(problem), setup_(setup), record_(record), options_(options), substeps_(substeps) {
-    options_.monitored = {};
-    options_.keep_unknowns = options_.keep_gains = options_.state_means = options_.state_deviations = false;
-  }
+bool is_small(const VectorXd& bias, const SubstepOptions& options) { return bias.maxCoeff() <= options.largest_bias; }
 
-  SubstepChoice compared_with_half(const EstimationResult& first) {
-    SubstepChoice choice{.substeps = substeps_.first, .chosen = true};
-    if (setup_.options.unknowns.empty()) {
-      choice.words = "there is no unknown whose estimate they could bias";
-      return choice;
-    }
-    choice.words = "from the change of the estimates with the substeps";
-    const Estimates fine = estimates_of(setup_, first, substeps_.first);
-    if (const auto coarse = run_with_half_of(fine)) {
-      if (contradicts_anyway(*coarse, fine)) return contradicted();
-      choice.bias = distance(setup_, *coarse, fine) / (square_of_ratio(fine.substeps, coarse->substeps) - 1.0);
-    }
-    choice.limited = choice.bias.size() == 0 || !is_small(choice.bias);
-    return choice;
-  }
+bool leaves_much(const SubstepChoice& choice, const SubstepOptions& options) {
+  return choice.bias.size() == 0 || !is_small(choice.bias, options);
+}
 
-  SubstepChoice from(const EstimationResult& first, SubstepChoice choice, StepBudget& budget) {
-    if (!choice.limited) return choice;
-    Estimates coarse = estimates_of(setup_, first, substeps_.first);
-    VectorXd left;  // of the bias, by the runs of this search
-    for (int next = 2 * substeps_.first;; next = enough(choice)) {
-      if (next > most()) break;
-      const double steps = steps_of_run(*problem_, record_, next);
-      if (!budget.allows(2.0 * steps)) {  // this run and, should it be the last, that of the estimate
-        choice.stopped = true;
-        return choice;
-      }
-      budget.take(steps);
-      const auto fine = run_with(next);
-      if (!fine) {
-        choice.words = "because the filter failed with " + std::to_string(next);
-        choice.bias = left;
-        choice.limited = false;
-        return choice;
-      }
-      if (contradicts_anyway(coarse, *fine)) return contradicted();
-      const VectorXd change = distance(setup_, coarse, *fine) / (square_of_ratio(next, coarse.substeps) - 1.0);
-      const VectorXd of_coarse = change * square_of_ratio(next, coarse.substeps);
-      if (coarse.substeps == substeps_.first && is_small(of_coarse)) {
-        choice.bias = of_coarse;
-        break;
-      }
-      if (left.size() > 0 && change.maxCoeff() >= left.maxCoeff())
-        return stays_with_first(
-            "as more do not settle the estimates: these depend on the way from their priors more than on the step");
-      choice.bias = left = change;
-      choice.substeps = next;
-      if (is_small(change)) break;
-      coarse = *fine;
-    }
-    choice.limited = choice.bias.size() == 0 || !is_small(choice.bias);
-    return choice;
-  }
+SubstepChoice stays_with_first(std::string words, const SubstepOptions& options) {
+  return {.substeps = options.first, .chosen = true, .words = std::move(words)};
+}
 
-private:
-  [[nodiscard]] bool is_small(const VectorXd& bias) const { return bias.maxCoeff() <= substeps_.largest_bias; }
+SubstepChoice contradicted(const SubstepOptions& options) {
+  return stays_with_first("as more change nothing of how the model contradicts the record", options);
+}
 
-  [[nodiscard]] SubstepChoice stays_with_first(std::string words) const {
-    return {.substeps = substeps_.first, .chosen = true, .words = std::move(words)};
-  }
+/// The most substeps for which the inputs at all of them can be held.
+int most_substeps(const AugmentedModelSetup& setup, const Record& record, const SubstepOptions& options) {
+  const auto values = 3.0 * static_cast<double>(std::max<std::size_t>(1, setup.input_sources.size())) *
+                      static_cast<double>(record.samples());
+  return static_cast<int>(std::min<double>(options.most, options.most_input_values / values));
+}
 
-  [[nodiscard]] SubstepChoice contradicted() const {
-    return stays_with_first("as more change nothing of how the model contradicts the record");
-  }
+/// Doubled as often as the bias asks for, which falls with the square; no further than the limit.
+int enough(const SubstepChoice& choice, int most, const SubstepOptions& options) {
+  int next = 2 * choice.substeps;
+  while (choice.bias.maxCoeff() / square_of_ratio(next, choice.substeps) > options.largest_bias && 2 * next <= most)
+    next *= 2;
+  return next;
+}
 
-  /// Nothing where the filter fails with half of the substeps, or ran with one.
-  [[nodiscard]] std::optional<Estimates> run_with_half_of(const Estimates& fine) const {
-    return fine.substeps < 2 ? std::nullopt : run_with(fine.substeps / 2);
-  }
-
-  /// The most substeps for which the inputs at all of them can be held.
-  [[nodiscard]] int most() const {
-    const auto values = 3.0 * static_cast<double>(std::max<std::size_t>(1, setup_.input_sources.size())) *
-                        static_cast<double>(record_.samples());
-    return static_cast<int>(std::min<double>(substeps_.most, substeps_.most_input_values / values));
-  }
-
-  /// Doubled as often as the bias asks for, which falls with the square; no further than the limit.
-  [[nodiscard]] int enough(const SubstepChoice& choice) const {
-    int next = 2 * choice.substeps;
-    while (choice.bias.maxCoeff() / square_of_ratio(next, choice.substeps) > substeps_.largest_bias &&
-           2 * next <= most())
-      next *= 2;
-    return next;
-  }
-
-  [[nodiscard]] std::optional<Estimates> run_with(int substeps) const {
-    AugmentedModelSetup setup = setup_;
-    setup.options.substeps = substeps;
-    const auto filtered = run_filter(problem_, setup, record_, options_);
-    if (filtered.result.failure) return std::nullopt;
-    return estimates_of(setup_, filtered.result, substeps);
-  }
-
-  const EstimationProblemPtr& problem_;
-  const AugmentedModelSetup& setup_;
-  const Record& record_;
-  EstimationOptions options_;
-  SubstepOptions substeps_;
-};
-
-RefinedFilter run_with(const EstimationProblemPtr& problem, AugmentedModelSetup& setup, const Record& record,
-                       const EstimationOptions& options, SubstepChoice choice) {
-  setup.options.substeps = choice.substeps;
-  return {run_filter(problem, setup, record, options), std::move(choice)};
+FilteredRecord run_with(const EstimationProblemPtr& problem, AugmentedModelSetup setup, const Record& record,
+                        const EstimationOptions& options, int substeps) {
+  setup.options.substeps = substeps;
+  return run_filter(problem, setup, record, options);
 }
 
 }  // namespace
@@ -184,50 +102,91 @@ RefinedFilter run_with(const EstimationProblemPtr& problem, AugmentedModelSetup&
 SubstepChoice compare_with_half(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
                                 const Record& record, const EstimationOptions& options, const EstimationResult& first,
                                 const SubstepOptions& substeps) {
-  return SubstepSearch(problem, setup, record, options, substeps).compared_with_half(first);
-}
-
-SubstepChoice choose_substeps(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
-                              const Record& record, const EstimationOptions& options, const EstimationResult& first,
-                              SubstepChoice compared, StepBudget& budget, const SubstepOptions& substeps) {
-  SubstepChoice choice =
-      SubstepSearch(problem, setup, record, options, substeps).from(first, std::move(compared), budget);
-  if (choice.substeps != substeps.first) budget.take(steps_of_run(*problem, record, choice.substeps));
-  return choice;
-}
-
-SubstepChoice kept_at_first(SubstepChoice choice, int first) {
-  choice.words = "because the filter failed with " + std::to_string(choice.substeps);
-  choice.bias *= square_of_ratio(choice.substeps, first);
-  choice.substeps = first;
+  SubstepChoice choice{.substeps = substeps.first, .chosen = true};
+  if (setup.options.unknowns.empty()) {
+    choice.words = "there is no unknown whose estimate they could bias";
+    return choice;
+  }
+  choice.words = "from the change of the estimates with the substeps";
   choice.limited = true;
+  if (substeps.first < 2) return choice;
+  EstimationOptions estimates_only = options;
+  estimates_only.monitored = {};
+  estimates_only.keep_unknowns = estimates_only.keep_gains = false;
+  estimates_only.state_means = estimates_only.state_deviations = false;
+  const auto half = run_with(problem, setup, record, estimates_only, substeps.first / 2);
+  if (half.result.failure) return choice;
+  const Estimates fine = estimates_of(setup, first, substeps.first),
+                  coarse = estimates_of(setup, half.result, substeps.first / 2);
+  if (contradicts_anyway(coarse, fine)) return contradicted(substeps);
+  choice.bias = distance(setup, coarse, fine) / (square_of_ratio(fine.substeps, coarse.substeps) - 1.0);
+  choice.limited = leaves_much(choice, substeps);
   return choice;
+}
+
+SettledSubsteps settle_substeps(const EstimationProblem& problem, const AugmentedModelSetup& setup,
+                                const Record& record, const RunWithSubsteps& run, const EstimationResult& first,
+                                SubstepChoice compared, StepBudget& budget, const SubstepOptions& substeps) {
+  SettledSubsteps settled{std::move(compared), {}};
+  SubstepChoice& choice = settled.choice;
+  if (!choice.limited) return settled;
+  const int most = most_substeps(setup, record, substeps);
+  Estimates coarse = estimates_of(setup, first, substeps.first);
+  VectorXd left;  // of the bias, by the runs of this search
+  for (int next = 2 * substeps.first; next <= most; next = enough(choice, most, substeps)) {
+    if (!budget.take(steps_of_run(problem, record, next))) {
+      choice.stopped = true;
+      return settled;
+    }
+    FilteredRecord finer = run(next);
+    if (finer.result.failure) {
+      choice.words = "because the filter failed with " + std::to_string(next);
+      choice.bias = left;
+      choice.limited = false;
+      return settled;
+    }
+    const Estimates fine = estimates_of(setup, finer.result, next);
+    if (contradicts_anyway(coarse, fine)) return {contradicted(substeps), {}};
+    const VectorXd change = distance(setup, coarse, fine) / (square_of_ratio(next, coarse.substeps) - 1.0);
+    const VectorXd of_coarse = change * square_of_ratio(next, coarse.substeps);
+    if (coarse.substeps == substeps.first && is_small(of_coarse, substeps)) {
+      choice.bias = of_coarse;
+      break;
+    }
+    if (left.size() > 0 && change.maxCoeff() >= left.maxCoeff())
+      return {stays_with_first("as more do not settle the estimates: these depend on the way from their priors more "
+                               "than on the step",
+                               substeps),
+              {}};
+    choice.bias = left = change;
+    choice.substeps = next;
+    settled.run = std::move(finer);
+    if (is_small(change, substeps)) break;
+    coarse = fine;
+  }
+  choice.limited = leaves_much(choice, substeps);
+  return settled;
 }
 
 RefinedFilter run_refined_filter(const EstimationProblemPtr& problem, AugmentedModelSetup setup, const Record& record,
                                  const EstimationOptions& options, const SubstepOptions& substeps) {
-  if (const auto given = problem->settings.substeps)
-    return run_with(problem, setup, record, options, {.substeps = *given, .words = "given"});
-  if (setup.substeps) return run_with(problem, setup, record, options, *setup.substeps);
-  auto first = run_with(problem, setup, record, options, {.substeps = substeps.first, .chosen = true});
-  if (first.filtered.result.failure) {
-    auto finer =
-        run_with(problem, setup, record, options, {.substeps = substeps.rescue * substeps.first, .chosen = true});
-    if (finer.filtered.result.failure) return first;
+  const RunWithSubsteps run = [&](int count) { return run_with(problem, setup, record, options, count); };
+  if (const auto given = problem->settings.substeps) return {run(*given), {.substeps = *given, .words = "given"}};
+  if (setup.substeps) return {run(setup.substeps->substeps), *setup.substeps};
+  FilteredRecord first = run(substeps.first);
+  if (first.result.failure) {
     SubstepOptions from_there = substeps;
-    from_there.first = substeps.rescue * substeps.first;
+    from_there.first *= substeps.rescue;
+    FilteredRecord finer = run(from_there.first);
+    if (finer.result.failure) return {std::move(first), {.substeps = substeps.first, .chosen = true}};
     return run_refined_filter(problem, std::move(setup), record, options, from_there);
   }
-  setup.starts_at_rest = !first.filtered.run.start.moving;
-  const auto& result = first.filtered.result;
+  setup.starts_at_rest = !first.run.start.moving;
   StepBudget unlimited;
-  auto choice =
-      choose_substeps(problem, setup, record, options, result,
-                      compare_with_half(problem, setup, record, options, result, substeps), unlimited, substeps);
-  if (choice.substeps == first.substeps.substeps) return {std::move(first.filtered), std::move(choice)};
-  auto last = run_with(problem, setup, record, options, choice);
-  if (!last.filtered.result.failure) return last;
-  return {std::move(first.filtered), kept_at_first(std::move(choice), first.substeps.substeps)};
+  auto settled =
+      settle_substeps(*problem, setup, record, run, first.result,
+                      compare_with_half(problem, setup, record, options, first.result, substeps), unlimited, substeps);
+  return {settled.run ? std::move(*settled.run) : std::move(first), std::move(settled.choice)};
 }
 
 }  // namespace kalfem

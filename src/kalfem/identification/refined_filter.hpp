@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+#include <optional>
+
 #include "kalfem/identification/filter_run.hpp"
 
 namespace kalfem {
@@ -25,16 +28,21 @@ SubstepChoice compare_with_half(const EstimationProblemPtr& problem, const Augme
                                 const Record& record, const EstimationOptions& options, const EstimationResult& first,
                                 const SubstepOptions& substeps = {});
 
+/// The filter's run over the record with so many substeps.
+using RunWithSubsteps = std::function<FilteredRecord(int substeps)>;
+
+/// A choice of substeps, and the filter's run with them; none where these are the first ones.
+struct SettledSubsteps {
+  SubstepChoice choice;
+  std::optional<FilteredRecord> run;
+};
+
 /// The number of substeps at which the bias of every unknown's estimate is small: `compared` where it is already, else
 /// as many more as the bias asks for, until it is. Where the filter fails with more substeps, it stays with those of
-/// the last run that did not. Ends, `limited`, before a run that the budget does not allow; that of the choice itself
-/// is the caller's to make, and is taken from the budget here.
-SubstepChoice choose_substeps(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
-                              const Record& record, const EstimationOptions& options, const EstimationResult& first,
-                              SubstepChoice compared, StepBudget& budget, const SubstepOptions& substeps = {});
-
-/// The choice where the filter failed with the substeps of `choice`, and those of `first` are kept.
-SubstepChoice kept_at_first(SubstepChoice choice, int first);
+/// the last run that did not. Ends, `limited`, before a run that the budget does not allow.
+SettledSubsteps settle_substeps(const EstimationProblem& problem, const AugmentedModelSetup& setup,
+                                const Record& record, const RunWithSubsteps& run, const EstimationResult& first,
+                                SubstepChoice compared, StepBudget& budget, const SubstepOptions& substeps = {});
 
 /// A run of the filter, and the substeps it was made with.
 struct RefinedFilter {
