@@ -149,6 +149,39 @@ TEST(EstimateVerdict, AParameterWithARandomWalkHasNoRobustDeviation) {
   EXPECT_NEAR(parameter.interval_95.upper - parameter.mean, 1.96 * parameter.std, 1e-3 * parameter.std);
 }
 
+EstimateOptions options_of_chain() {
+  return {.sensors = chain_sensors(),
+          .unknowns = {{"suspension.mu_k1", {.initial = 15, .std = 5}}},
+          .substeps = 4,
+          .diagnose = false};
+}
+
+TEST(EstimateVerdict, IsNeverConsistentOfFewerThanFiftyValues) {
+  Record record = chain_record();
+  const auto sensors = static_cast<Eigen::Index>(chain_sensors().size());
+  for (const Eigen::Index values : {Eigen::Index{40}, Eigen::Index{60}}) {
+    record.values = chain_record().values.leftCols((values + sensors - 1) / sensors).eval();
+    const auto result = estimate(driven_chain(), record, options_of_chain());
+    const auto codes = codes_of(result.verdict);
+    const bool told = std::ranges::find(codes, "record_too_short ") != codes.end();
+    EXPECT_EQ(told, values < 50);
+    if (told) EXPECT_NE(result.verdict.state(), VerdictState::consistent);
+  }
+}
+
+/// The case file's rule: at once from a known start, otherwise after a tenth of the record at the latest.
+TEST(EstimateVerdict, RestsOnEverySampleOfAKnownStart) {
+  Record record = chain_record();
+  EXPECT_EQ(estimate(driven_chain(), record, options_of_chain()).settled, 0);
+  EstimateOptions stated = options_of_chain();
+  stated.settle = 0.1;
+  EXPECT_EQ(estimate(driven_chain(), record, stated).settled, std::llround(0.1 * record.sample_rate));
+  record.start = 1.0;  // what came before is not known
+  const auto moving = estimate(driven_chain(), record, options_of_chain()).settled;
+  EXPECT_GT(moving, 0);
+  EXPECT_LE(moving, record.samples() / 10 + 1);
+}
+
 TEST(EstimateVerdict, AnOnlineFilterHasNoTimeToSettle) {
   const auto refused = refusal_of(
       [] { return OnlineFilter(driven_chain(), 500.0, {.sensors = chain_sensors(), .settle = 1.0}).time(); });

@@ -172,6 +172,7 @@ EstimateResult estimate(const Structure& structure, const Record& record, const 
   estimate.substep_bias = estimated.substeps.bias;
   estimate.start = explain(estimated.start);
   estimate.sample_rate = record.sample_rate;
+  estimate.settled = estimated.settled;
   if (const auto& failure = filtered.failure)
     estimate.failure = FilterStop{record.start + failure->time, failure->reason + "; " + failure->remedy};
   estimate.sensors = innovations_by_sensor(estimated);

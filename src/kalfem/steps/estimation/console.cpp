@@ -37,11 +37,20 @@ std::string parameters_told(const Study& study, const EstimationOutcome& outcome
   return text;
 }
 
-std::string consistency_told(const EstimationOutcome& outcome, const Verdict& verdict) {
+/// Where the case does not state what is left out.
+std::string judged_part_told(const Study& study, const EstimationOutcome& outcome) {
+  if (study.problem->settings.settle || outcome.settled == 0) return "";
+  const auto samples = outcome.measurements.samples();
+  return fmt::format("Judged on {} of {} samples, after {} s\n", samples - outcome.settled, samples,
+                     four_digits(outcome.judged_from()));
+}
+
+std::string consistency_told(const Study& study, const EstimationOutcome& outcome, const Verdict& verdict) {
   std::string text;
   if (std::isfinite(outcome.consistency.mean_nis))
     text += fmt::format("NIS {:.2f} (expected {:.2f}); {} of samples in the 95 % band\n", outcome.consistency.mean_nis,
                         outcome.consistency.expected_nis, per_cent(outcome.consistency.fraction_in_95));
+  text += judged_part_told(study, outcome);
   if (outcome.result.noise) text += adaptive_noise_words(outcome);
   if (outcome.frequencies)
     text += "\nNatural frequencies over the record [Hz]\n" + to_text(frequencies_table(*outcome.frequencies)) + "\n";
@@ -90,7 +99,7 @@ std::string console_first_answer(const Study& study, const EstimationOutcome& ou
 }
 
 std::string console_estimation(const Study& study, const EstimationOutcome& outcome, const Verdict& verdict) {
-  return parameters_told(study, outcome) + consistency_told(outcome, verdict) + filter_told(outcome) +
+  return parameters_told(study, outcome) + consistency_told(study, outcome, verdict) + filter_told(outcome) +
          errors_told(study, outcome);
 }
 

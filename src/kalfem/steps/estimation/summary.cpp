@@ -147,7 +147,8 @@ Json nis_summary(const EstimationOutcome& outcome) {
   const auto& consistency = outcome.consistency;
   Json summary = {{"mean", number(consistency.mean_nis)},
                   {"expected", number(consistency.expected_nis)},
-                  {"fraction_in_95", number(consistency.fraction_in_95)}};
+                  {"fraction_in_95", number(consistency.fraction_in_95)},
+                  {"judged_samples", outcome.measurements.samples() - outcome.settled}};
   const auto found = nis_consistency(innovations_of(outcome));
   if (found.samples == 0) return summary;
   summary["beyond_half_gate"] = number(found.beyond_half_gate);
