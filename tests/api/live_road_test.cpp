@@ -22,7 +22,7 @@ TEST(LiveRoad, IsAsGoodAsTheWholeRecordsSpline) {
   const Samples samples{road->sample(0.0, 1.0 / rate, record.samples()).col(0).matrix(), rate};
   const auto whole =
       estimate(structure(2e6).base_displacement("road", "wheel.ground", samples), record,
-               {.sensors = sensors, .unknowns = {{"strut.k3", {.std = 2e6}}}, .substeps = 4, .diagnose = false});
+               {.sensors = sensors, .unknowns = {{"strut.k3", {.std = 2e6}}}, .substeps = 8, .diagnose = false});
   const auto& expected = whole.parameter("strut.k3");
   EXPECT_NEAR(live.filter().parameter("strut.k3").mean, expected.mean, 1e-2 * expected.std);
   EXPECT_NEAR(live.filter().time(), 20.0, 1e-9);

@@ -117,6 +117,7 @@ def test_times_of_each_value():
     for name, values in [("a3", data["a3"]), ("a5", data["a5"]), ("road", u)]:
         filter.push(name, t[:200], values[:200])
         filter.push(name, t[200:400], values[200:400])
+    assert filter.time == pytest.approx((399 - 8) / RATE) and filter.flush() == 0
     assert filter.samples == 400 and bits(filter) == bits(stepped(400))
 
 

@@ -7,6 +7,7 @@
 
 #include "kalfem/api/online_loop.hpp"
 #include "kalfem/api/structure_description.hpp"
+#include "kalfem/system/signals/cubic_spline.hpp"
 #include "kalfem/system/signals/streamed_spline.hpp"
 
 namespace kalfem {
@@ -67,7 +68,10 @@ public:
         sensors_(std::ssize(options.sensors)),
         delay_(signals_.empty() ? 0 : online.input_delay),
         begun_(delay_ == 0 || std::ranges::none_of(signals_, [](const SignalPtr& signal) { return !signal; })) {
-    for (const auto& input : structure.description().parts.inputs) names_.push_back(input.name);
+    for (const auto& input : structure.description().parts.inputs) {
+      if (input.kind == InputKind::base_displacement) moved_grounds_.push_back(std::ssize(names_));
+      names_.push_back(input.name);
+    }
   }
 
   void start(const std::vector<InputSample>& inputs) {
@@ -87,7 +91,7 @@ public:
     if (loop_.failure()) return false;
     leave_splines();
     ++newest_;
-    return loop_.move_to(next);
+    return loop_.move_along(course_to(next));
   }
 
   bool predict() {
@@ -192,6 +196,28 @@ private:
       inputs.row(derivative * count + i) = samples.col(derivative).matrix().transpose();
   }
 
+  /// [r; r'; r''] up to the next sample: of a moved ground the polynomial of the fifth degree with these at both ends,
+  /// of others, which act by their values alone, straight lines.
+  [[nodiscard]] Eigen::MatrixXd course_to(const VectorXd& next) const {
+    const VectorXd& now = loop_.inputs();
+    const Index count = now.size() / 3, parts = loop_.substeps();
+    const double h = loop_.step();
+    Eigen::MatrixXd inputs(3 * count, parts + 1);
+    for (Index part = 0; part <= parts; ++part) {
+      const double x = static_cast<double>(part) / static_cast<double>(parts);
+      inputs.col(part) = (1.0 - x) * now + x * next;
+      for (const Index i : moved_grounds_) {
+        const auto [value, slope, curvature] =
+            hermite_segment({now[i], h * now[count + i], h * h * now[2 * count + i]},
+                            {next[i], h * next[count + i], h * h * next[2 * count + i]}, x);
+        inputs(i, part) = value;
+        inputs(count + i, part) = slope / h;
+        inputs(2 * count + i, part) = curvature / (h * h);
+      }
+    }
+    return inputs;
+  }
+
   /// The next sample's inputs, with the differences from the present ones as rates and accelerations.
   [[nodiscard]] VectorXd straight_to(const VectorXd& values) const {
     const Index count = values.size();
@@ -234,7 +260,8 @@ private:
   }
 
   std::vector<SignalPtr> signals_;
-  std::vector<std::string> names_;  ///< of the inputs
+  std::vector<std::string> names_;    ///< of the inputs
+  std::vector<Index> moved_grounds_;  ///< places of these among the inputs
   OnlineLoop loop_;
   Index sensors_, delay_;
   bool begun_;                           ///< whether the filter has taken, or may take, the first sample

@@ -64,7 +64,8 @@ public:
   /// The same from values alone.
   void start(const Eigen::VectorXd& values);
 
-  /// Predicts to the next sample; value, rate and acceleration are linear between the samples. Returns false if the
+  /// Predicts to the next sample, from the inputs there. Between the samples a moved ground is the polynomial of the
+  /// fifth degree through value, rate and acceleration at both, other inputs are straight. Returns false if the
   /// filter has stopped, see failure(). Throws InvalidInput if the number of inputs is not that of the structure, if
   /// one is not finite, and after predict_values() without finish().
   bool predict(const std::vector<InputSample>& inputs);

@@ -17,6 +17,7 @@
 namespace kalfem {
 namespace {
 
+using Eigen::Index;
 using Json = nlohmann::ordered_json;
 
 /// The parts that hold what the updating and the filter found, without the unknowns that connectors carry.

@@ -52,6 +52,16 @@ std::array<double, 3> spline_segment(double y0, double y1, double M0, double M1,
           y1 - y0 + (M0 * (1.0 - 3.0 * r * r) + M1 * (3.0 * x * x - 1.0)) / 6.0, r * M0 + x * M1};
 }
 
+std::array<double, 3> hermite_segment(const std::array<double, 3>& begin, const std::array<double, 3>& end, double x) {
+  const auto& [value, slope, curvature] = begin;
+  const double c2 = 0.5 * curvature;
+  const double d = end[0] - value - slope - c2, e = end[1] - slope - curvature, f = end[2] - curvature;
+  const double c3 = 10.0 * d - 4.0 * e + 0.5 * f, c4 = -15.0 * d + 7.0 * e - f, c5 = 6.0 * d - 3.0 * e + 0.5 * f;
+  return {value + x * (slope + x * (c2 + x * (c3 + x * (c4 + x * c5)))),
+          slope + x * (2.0 * c2 + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5))),
+          2.0 * c2 + x * (6.0 * c3 + x * (12.0 * c4 + x * 20.0 * c5))};
+}
+
 double spline_integral(double y0, double y1, double M0, double M1, double x) {
   const double r = 1.0 - x, from_begin = 0.5 * (1.0 - r * r), to_end = 0.5 * x * x;
   return y0 * from_begin + y1 * to_end +

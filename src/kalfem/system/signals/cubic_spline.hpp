@@ -23,4 +23,7 @@ std::array<double, 3> spline_segment(double y0, double y1, double M0, double M1,
 /// Integral of its value from 0 to x.
 double spline_integral(double y0, double y1, double M0, double M1, double x);
 
+/// Value, slope and curvature at x of the polynomial of the fifth degree with these at x = 0 and at x = 1.
+std::array<double, 3> hermite_segment(const std::array<double, 3>& begin, const std::array<double, 3>& end, double x);
+
 }  // namespace kalfem
