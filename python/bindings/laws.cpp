@@ -130,8 +130,7 @@ void refuse_unknown_name(const std::string& text) {
   std::string name = text;
   std::ranges::replace_if(
       name, [](char c) { return c == '-' || c == ' '; }, '_');
-  const std::string hint =
-      is_in_library(name) ? " (did you mean '" + name + "'?)" : did_you_mean(text, known);
+  const std::string hint = is_in_library(name) ? " (did you mean '" + name + "'?)" : did_you_mean(text, known);
   if (is_word(text) && !hint.empty())
     throw InvalidInput("law: there is no law '" + text + "'" + hint, "it is no formula of x and v either",
                        "kf.laws() lists the library's laws");

@@ -89,10 +89,10 @@ TEST(AdaptiveNoiseCase, MakesWrongNoiseConsistent) {
 
 TEST(AdaptiveNoiseCase, MaximumLikelihoodMakesItConsistentToo) {
   for (const double factor : {0.1, 10.0})
-    expect_right(*estimated("    sensors.x1.noise: {initial: " + std::to_string(factor * x_noise) +
-                                " mm}\n    sensors.a2.noise: {initial: " + std::to_string(factor * a_noise) + "}\n",
-                            factor)
-                      .estimation,
+    expect_right(estimated("    sensors.x1.noise: {initial: " + std::to_string(factor * x_noise) +
+                               " mm}\n    sensors.a2.noise: {initial: " + std::to_string(factor * a_noise) + "}\n",
+                           factor)
+                     .get<EstimationOutcome>(),
                  std::to_string(factor));
   expect_consistent(estimated("    process_noise: {initial: 0.1}\n", 1.0, unmodelled).get<EstimationOutcome>(),
                     "forces");

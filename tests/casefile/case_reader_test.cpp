@@ -145,7 +145,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"syntax", sub + "title: [a, b\n", {"this is not YAML"}},
         Mistake{"indentation",
                 "substructures:\n  a: 1\n b: 2\n",
-                {"case.yaml:3: the line begins with 1 blanks, line 1 above it with 0", "in the same column"}},
+                {"case.yaml:3: the line begins with 1 blank, line 1 above it with 0", "in the same column"}},
         Mistake{"blank_too_many",
                 "title: x\nsubstructures:\n  a: 1\n   b: 2\n  c: 3\n",
                 {"case.yaml:4: the line begins with 3 blanks, line 3 above it with 2"}},

@@ -105,6 +105,35 @@ TEST_F(MeasuredRecords, AnInputThatEndsTooEarlySaysByHowMuch) {
             {"the input ends at 3.99 s, 10 ms before 4 s, where it is needed"});
 }
 
+/// Acceleration of a mass of 2 kg on 800 N/m, damped by `ratio`, under a blow of 100 N in one sample every 10 s.
+double after_blows(double t, double ratio) {
+  const double w = 20.0, decay = ratio * w, damped = w * std::sqrt(1.0 - ratio * ratio), impulse = 100.0 / rate;
+  const double since = std::fmod(t, 10.0) - 1.0;
+  const double force = std::abs(since) < 1e-6 ? 100.0 / mass : 0.0;
+  if (since < 1e-6) return force;
+  return force + impulse / (mass * damped) * std::exp(-decay * since) *
+                     ((decay * decay - damped * damped) * std::sin(damped * since) -
+                      2.0 * decay * damped * std::cos(damped * since));
+}
+
+TEST_F(MeasuredRecords, OfWhichFrequencyResponsesLeakAreWarnedOf) {
+  const auto blow = [](double t) { return std::abs(std::fmod(t, 10.0) - 1.0) < 1e-6 ? "100" : "0"; };
+  std::ofstream(folder_ / "case.yaml") << R"(kalfem: 1
+substructures: {s: {masses: {m: 2 kg}, springs: [{name: k, from: ground, to: m, stiffness: 800 N/m}], damping: {modal: 1 %}}}
+update:
+  parameters: {s.k.stiffness: {bounds: [600 N/m, 1000 N/m]}}
+  compare:
+    accelerance: {frf: s, inputs: [{force: m, record: record.csv, input: F}], outputs: [m], bands: [[1 Hz, 6 Hz]]}
+)";
+  for (const double ratio : {0.01, 0.1}) {
+    write_record({{"F", blow}, {"m", [&](double t) { return std::to_string(after_blows(t, ratio)); }}}, 100.0);
+    std::string told;
+    for (const auto& words : load_study((folder_ / "case.yaml").string()).warnings) told += words + "\n";
+    EXPECT_EQ(told.find("narrower than two lines of a segment of 8 s (0.25 Hz)") != std::string::npos, ratio < 0.02)
+        << told;
+  }
+}
+
 TEST_F(MeasuredRecords, AChannelWithoutANumberIsRefusedByItsName) {
   write_with(written(displacement), [](double) { return "nan"; });
   const std::pair<std::string, std::string> skip{"{file: record.csv}\nest",

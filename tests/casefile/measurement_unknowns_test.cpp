@@ -5,7 +5,6 @@
 #include "kalfem/report/result_set.hpp"
 #include "kalfem/steps/estimation/report.hpp"
 #include "kalfem/steps/judge.hpp"
-#include "kalfem/steps/run_identified_case.hpp"
 #include "kalfem/steps/simulation/outcome.hpp"
 
 // Unknowns of the measurement in a case: gains, offsets, delays and noise of its sensors.

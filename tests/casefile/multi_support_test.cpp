@@ -145,7 +145,7 @@ TEST(MultiSupport, SupportsThatMoveAlikeAreAnAcceleratedBase) {
     EXPECT_GT(simulated(*alike, "beam.1", displacement).tail(1)[0], 0.5);
     // at rest again
     EXPECT_LT(std::abs(simulated(uniform, "beam.1", displacement).tail(1)[0]), 1e-12);
-    EXPECT_LT(difference(alike->simulation->reference.sensors.row(2).transpose(),
+    EXPECT_LT(difference(alike->get<SimulationOutcome>().reference.sensors.row(2).transpose(),
                          uniform.get<SimulationOutcome>().reference.sensors.row(2).transpose()),
               2e-7);
   }

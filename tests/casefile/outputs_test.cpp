@@ -165,7 +165,7 @@ TEST(Summary, HoldsErrorsAgainstTheTruthAfterSettling) {
     check(point, summary["estimation"]["states"][point.point]);
   for (const auto& point : results.get<PredictionOutcome>().points)
     check(point, summary["prediction"]["s"][point.point.substr(point.point.find('.') + 1)]);
-  const VectorXd frequencies = results.modifications.at(0).frequencies;
+  const VectorXd frequencies = results.get<ModificationsOutcome>().modifications.at(0).frequencies;
   for (Index i : {0, 1}) same(summary["prediction"]["m"]["frequencies_hz"][std::size_t(i)], frequencies[i]);
   EXPECT_EQ(summary["prediction"]["m"]["substructure"], "s");
 }

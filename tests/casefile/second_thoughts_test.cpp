@@ -64,7 +64,8 @@ TEST(SecondThoughts, TakeNoMoreFilterStepsThanTheyMay) {
   std::vector<StudyResults> none;
   const auto without = run_with("  second_thoughts: none\n", &none);
   EXPECT_TRUE(none.empty());  // nothing follows, so it is the only answer
-  // The first answer takes passes with 4 and 2 substeps; the run with eight is the estimate's where no more are allowed.
+  // The first answer takes passes with 4 and 2 substeps; the run with eight is the estimate's where no more are
+  // allowed.
   EXPECT_EQ(run_with("  second_thoughts: 1.3\n").get<EstimationOutcome>().left_out.front(), "more substeps");
   const auto tried = run_with("  second_thoughts: 1.4\n");
   EXPECT_EQ(tried.get<EstimationOutcome>().substeps.substeps, 8);
@@ -88,7 +89,8 @@ TEST(SecondThoughts, AreTold) {
   EXPECT_NE(told, results.warnings.end());
   EXPECT_NE(console_report(study, results).find("more substeps are needed than second_thoughts allow"),
             std::string::npos);
-  EXPECT_NE(console_first_answer(study, results).find("second thoughts follow"), std::string::npos);
+  EXPECT_NE(console_first_answer(study, results.get<EstimationOutcome>()).find("second thoughts follow"),
+            std::string::npos);
 }
 
 TEST(SecondThoughts, AreANumberOrAWord) {

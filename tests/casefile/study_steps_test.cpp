@@ -258,8 +258,8 @@ TEST(StudySteps, WhatFollowsAnUpdatingIsOfTheUpdatedStructure) {
   near(system.stiffness.coeff(3, 4), -values[1], many_roundings);
   // Two free frequencies and two springs: the updated structure has the measured ones, and so has a changed dashpot.
   // found 6e-7 and 1e-7 Hz: the search's tolerance, and a dashpot of 2 N s/m
-  EXPECT_NEAR(results.modifications.at(0).frequencies[0], 2.9, 2e-6);
-  EXPECT_NEAR(results.modifications.at(0).frequencies[1], 5.5, 5e-7);
+  EXPECT_NEAR(results.get<ModificationsOutcome>().modifications.at(0).frequencies[0], 2.9, 2e-6);
+  EXPECT_NEAR(results.get<ModificationsOutcome>().modifications.at(0).frequencies[1], 5.5, 5e-7);
 }
 
 /// One value that several parameters share is present under each of their names.

@@ -7,7 +7,6 @@
 #include "kalfem/report/result_set.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
 #include "kalfem/steps/judge.hpp"
-#include "kalfem/steps/run_verdict.hpp"
 
 // How finely a case's filter divides a sample interval, what it assumes of the first sample, and what is said of both.
 

@@ -146,8 +146,7 @@ bool wanted(const std::string& name) {
 void print_tested(const StudyResults& results) {
   if (!results.has<EstimationOutcome>()) return;
   const auto& estimation = results.get<EstimationOutcome>();
-  for (const auto& each : estimation.left_out) std::cout << "      left out: " << each << "
-";
+  for (const auto& each : estimation.left_out) std::cout << "      left out: " << each << "\n";
   if (!estimation.diagnosis) return;
   const auto& tested = estimation.diagnosis->tested;
   for (std::size_t i = 0; i < std::min<std::size_t>(tested.size(), 6); ++i)

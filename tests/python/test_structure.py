@@ -93,7 +93,8 @@ def test_a_law_in_python_gets_all_points_in_one_call():
         return k * x
 
     s = body_on_mount(from_springs(), law, dict(k=1e4)).force("shaker", "body.3")
-    live = kf.Filter(s, RATE, sensors={"a": kf.acceleration("body.1", noise=0.1)}, unknown={"mount.k": 9e3}, filter="ukf")
+    arguments = dict(unknown={"mount.k": 9e3}, filter="ukf", input_delay=0)
+    live = kf.Filter(s, RATE, sensors={"a": kf.acceleration("body.1", noise=0.1)}, **arguments)
     live.update([0.0])
     shapes.clear()
     live.predict([1.0])

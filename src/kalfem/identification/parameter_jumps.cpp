@@ -108,6 +108,7 @@ public:
     options.renewals = {{unknown, sample, prior_deviation(unknown)}};
     Trial trial{unknown, sample, estimate(augmented_model_, input_, options)};
     tried_.push_back({unknown, sample, trial.log_likelihood()});
+    if (getenv("JDEBUG")) fprintf(stderr, "trial %d %d %.3f\n", (int)unknown, (int)sample, trial.log_likelihood());
     return trial;
   }
 

@@ -51,11 +51,6 @@ std::vector<double> measured_frequencies(const d::Frequencies& given) {
   }
 }
 
-std::string two_digits(double value) {
-  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
-  return value >= 10.0 ? shortest(std::round(value)) : shortest(std::round(value / unit) / std::round(1.0 / unit));
-}
-
 /// A point by its name in the substructure: a degree of freedom or a named combination.
 DofCombination point_of(const LinearModel& model, const Name& name) {
   if (const auto point = model.points.find(name.value); point != model.points.end()) return point->second;
@@ -198,10 +193,11 @@ private:
       if (!peak.damping || !in_bands(peak.frequency)) continue;
       const double width = 2.0 * *peak.damping * peak.frequency;
       if (width * segment >= fewest_lines) continue;
-      warnings_.push_back(owner() + ": the resonance at " + two_digits(peak.frequency) + " Hz is " + two_digits(width) +
-                          " Hz wide, " + two_digits(width * segment) + " lines of a segment of " + shortest(segment) +
-                          " s: leakage of the window makes its damping too large; give a segment of " +
-                          shortest(std::ceil(2.0 * fewest_lines / width)) + " s or more, or compare the record itself");
+      warnings_.push_back(owner() + ": the resonance at " + shortest(std::round(10.0 * peak.frequency) / 10.0) +
+                          " Hz is narrower than two lines of a segment of " + shortest(segment) + " s (" +
+                          shortest(std::round(1e3 * fewest_lines / segment) / 1e3) +
+                          " Hz): leakage of the window makes its damping too large; give longer segments, or compare "
+                          "the record itself");
       return;  // the lowest one is the narrowest
     }
   }

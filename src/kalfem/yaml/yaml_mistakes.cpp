@@ -14,7 +14,8 @@ namespace {
 struct BlockLine {
   int number = 0;
   std::size_t indent = 0;
-  bool opens = false;  ///< it ends in ':' or in the sign of a text of several lines, or begins an item of a list
+  bool opens = false;  ///< it ends in ':' or in the sign of a text of several lines, begins an item of a list, or
+                       ///< leaves a bracket or a brace open
 };
 
 std::optional<Issue> tab_in(const std::vector<std::string>& lines, const std::string& name, int last) {
@@ -30,14 +31,18 @@ std::optional<Issue> tab_in(const std::vector<std::string>& lines, const std::st
   return std::nullopt;
 }
 
+std::string blanks(std::size_t count) { return std::to_string(count) + (count == 1 ? " blank" : " blanks"); }
+
 std::optional<BlockLine> block_line(const std::string& line, int number) {
   const std::size_t indent = line.find_first_not_of(' ');
   if (indent == std::string::npos || line[indent] == '#') return std::nullopt;
   std::string_view content = std::string_view(line).substr(indent);
   if (const auto comment = content.find(" #"); comment != std::string_view::npos) content = content.substr(0, comment);
   while (!content.empty() && (content.back() == ' ' || content.back() == '\r')) content.remove_suffix(1);
+  const auto brackets = std::ranges::count_if(content, [](char c) { return c == '[' || c == '{'; }) -
+                        std::ranges::count_if(content, [](char c) { return c == ']' || c == '}'; });
   const bool opens = content.ends_with(':') || content.ends_with('|') || content.ends_with('>') ||
-                     content.ends_with('&') || content.starts_with("- ") || content == "-";
+                     content.ends_with('&') || content.starts_with("- ") || content == "-" || brackets > 0;
   return BlockLine{number, indent, opens};
 }
 
@@ -55,8 +60,8 @@ std::optional<Issue> blank_in(const std::vector<std::string>& lines, const std::
     const bool wrong = !open.empty() && deeper && (returns || !open.back().opens);
     if (wrong)
       found = Issue{{name, number},
-                    "the line begins with " + std::to_string(line->indent) + " blanks, line " +
-                        std::to_string(open.back().number) + " above it with " + std::to_string(open.back().indent),
+                    "the line begins with " + blanks(line->indent) + ", line " + std::to_string(open.back().number) +
+                        " above it with " + std::to_string(open.back().indent),
                     "keys of one map begin in the same column",
                     "take blanks out, or put the line below a key that ends in ':'"};
     else
