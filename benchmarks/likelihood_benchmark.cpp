@@ -10,7 +10,7 @@
 #include "kalfem/base/parallel.hpp"
 #include "kalfem/identification/filter_likelihood.hpp"
 #include "kalfem/steps/run_study.hpp"
-#include "kalfem/steps/simulation/field_series.hpp"
+#include "kalfem/steps/field_series.hpp"
 #include "timing.hpp"
 
 namespace {

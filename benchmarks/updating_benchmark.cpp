@@ -13,7 +13,7 @@
 #include "kalfem/identification/record_residual.hpp"
 #include "kalfem/identification/simulation_residual.hpp"
 #include "kalfem/steps/run_study.hpp"
-#include "kalfem/steps/simulation/field_series.hpp"
+#include "kalfem/steps/field_series.hpp"
 #include "timing.hpp"
 
 namespace {

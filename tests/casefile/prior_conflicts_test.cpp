@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "kalfem/steps/run_study.hpp"
-#include "kalfem/steps/simulation/field_series.hpp"
+#include "kalfem/steps/field_series.hpp"
 
 #include "casefile/damping_of_unknowns.hpp"
 

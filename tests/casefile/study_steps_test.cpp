@@ -206,7 +206,7 @@ TEST(StudySteps, SensorsOfTheAugmentedModelHaveTheirChains) {
                                     "{x: {displacement: s.a, noise: 0.1 mm}, y: {displacement: s.b, noise: "
                                     "0.1 mm}}"}})),
           "simulate");
-  const VectorXd before = plain.simulation->reference.sensors.row(1),
+  const VectorXd before = plain.get<SimulationOutcome>().reference.sensors.row(1),
                  behind = results.get<SimulationOutcome>().reference.sensors.row(1);
   // found 1e-3: straight lines between samples of a hundredth of a second
   EXPECT_LT(nrmse(behind, study.sensors[1].chain.filter(before, 100.0)), 3e-3);
