@@ -5,6 +5,7 @@
 #include "casefile/probes.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
 #include "kalfem/identification/parameterised_structure.hpp"
+#include "kalfem/steps/prediction/outcome.hpp"
 #include "kalfem/steps/simulation/outcome.hpp"
 #include "kalfem/steps/updating/compute.hpp"
 #include "kalfem/updating/frf_residual.hpp"
@@ -462,10 +463,10 @@ void simulated_histories() {
 
 void weights() {
   const auto run_with = [](const std::string& first, const std::string& second) {
-    return *run(with_update("parameters: {s.k.stiffness: {}}, compare: {one: {modes: s, frequencies: [1.5]" + first +
-                            "}, two: {static: s, loads: {b: 8 N}, displacements: {b: 20 mm}" + second + "}}"),
-                "update")
-                .updating;
+    return run(with_update("parameters: {s.k.stiffness: {}}, compare: {one: {modes: s, frequencies: [1.5]" + first +
+                           "}, two: {static: s, loads: {b: 8 N}, displacements: {b: 20 mm}" + second + "}}"),
+               "update")
+        .get<UpdatingOutcome>();
   };
   const auto plain = run_with("", ""), weighted = run_with(", weight: 4", ", weight: 0.25");
   const double one = plain.comparisons[0].rms_initial, two = plain.comparisons[1].rms_initial;
@@ -565,6 +566,7 @@ void modifications() {
   const VectorXd changed = modes_at(1600.0).frequencies;
   const auto frequencies_of = [](const std::string& text) {
     return run(with_update("", {{"update", ""}, {"modifications", "{m: {substructure: s, " + text + "}}"}}), "predict")
+        .get<ModificationsOutcome>()
         .modifications.at(0);
   };
   EXPECT_EQ(frequencies_of("set: {k.stiffness: 1600}").substructure, "s");
