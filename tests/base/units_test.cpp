@@ -81,7 +81,7 @@ TEST(Units, AWrongUnitIsNamed) {
   EXPECT_NE(message([] { to_si("3 mm", "kg"); }).find("3 mm given where kg is required"), std::string::npos);
   EXPECT_NE(message([] { to_si("3 mm", "-"); }).find("3 mm given where a number without a unit is required"),
             std::string::npos);
-  EXPECT_NE(message([] { to_si("2 g", "m/s^2"); }).find("g0"), std::string::npos);
+  EXPECT_NE(message([] { to_si("2 g", "m/s"); }).find("2 g given where m/s is required"), std::string::npos);
   EXPECT_NE(message([] { to_si(parse_quantity("3 mm"), "kg"); }).find("0.003 m given where kg"), std::string::npos);
 }
 

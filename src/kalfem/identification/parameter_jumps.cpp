@@ -108,7 +108,6 @@ public:
     options.renewals = {{unknown, sample, prior_deviation(unknown)}};
     Trial trial{unknown, sample, estimate(augmented_model_, input_, options)};
     tried_.push_back({unknown, sample, trial.log_likelihood()});
-    if (getenv("JDEBUG")) fprintf(stderr, "trial %d %d %.3f\n", (int)unknown, (int)sample, trial.log_likelihood());
     return trial;
   }
 
@@ -124,13 +123,15 @@ public:
   /// Moves the change to the largest likelihood by steps that are halved from `step` down to `finest`. A step is
   /// repeated a few times only: where the likelihood keeps rising, the change is nowhere near.
   Trial placed(Trial best, Index step, Index finest) {
-    for (; step >= finest && !stopped_; step /= 2)
+    for (; step >= finest && !stopped_; step /= 2) {
       for (int i = 0; i < most_moves && moves(best, step); ++i) {
       }
+      resolution_ = stopped_ ? 2 * step : step;
+    }
     return best;
   }
 
-  /// Sets the interval of its sample by what was tried around it.
+  /// Sets the interval of its sample by what was tried around it, no narrower than the steps by which it was placed.
   void set_interval(double log_likelihood, double widening, ParameterJump& jump) const {
     jump.earliest = first_;
     jump.latest = input_.measured.samples() - 1;
@@ -139,6 +140,8 @@ public:
       if (sample < jump.sample) jump.earliest = std::max(jump.earliest, sample);
       if (sample > jump.sample) jump.latest = std::min(jump.latest, sample);
     }
+    jump.earliest = std::max(first_, std::min(jump.earliest, jump.sample - resolution_));
+    jump.latest = std::min(input_.measured.samples() - 1, std::max(jump.latest, jump.sample + resolution_));
   }
 
 private:
@@ -176,6 +179,7 @@ private:
   double steps_;
   StepBudget& budget_;
   bool stopped_ = false;
+  Index resolution_ = 1;  ///< samples within which the last place is the best
   std::vector<Tried> tried_;
 };
 

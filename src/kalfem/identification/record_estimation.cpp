@@ -20,7 +20,7 @@ using Eigen::VectorXd;
 namespace {
 
 /// Of a sample interval in the search for a jump: what finer steps add is smaller than the jumps that are told.
-constexpr int most_jump_substeps = 8, limited_jump_substeps = 1;
+constexpr int most_jump_substeps = 8, limited_jump_substeps = 2;
 /// Mean NIS over what is expected: a run that contradicts itself, and by how much rest must be better.
 constexpr double contradicting_nis = 2.0, far_less = 0.5;
 
