@@ -73,7 +73,8 @@ EstimateResult estimate_of(const Study& study, bool diagnose = true) {
                    .unknowns = {{"suspension.mu_k1", {.initial = 15.0, .std = 7.5}},
                                 {"suspension.mu_c1", {.initial = 13.0, .std = 6.5}}},
                    .settle = 1.0,
-                   .diagnose = diagnose});
+                   .diagnose = diagnose,
+                   .second_thoughts = std::numeric_limits<double>::infinity()});
 }
 
 void expect_same_numbers(const EstimateResult& found, const nlohmann::ordered_json& summary) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
+#include <limits>
 
 #include "chain.hpp"
 #include "kalfem/base/random.hpp"
@@ -56,7 +57,8 @@ EstimateResult estimate_with(std::optional<int> substeps) {
                                 {"spring.k3", {.std = 2e9}},
                                 {"spring.c", {.std = 15.0}},
                                 {"circuit.m.mass", {.std = 0.25}}},
-                   .substeps = substeps});
+                   .substeps = substeps,
+                   .second_thoughts = std::numeric_limits<double>::infinity()});
 }
 
 /// Errors in standard deviations.

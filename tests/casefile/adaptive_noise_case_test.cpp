@@ -29,6 +29,7 @@ sensors:
 simulate: {duration: 20 s, sample_rate: 200 Hz, seed: 3}
 estimate:
   diagnose: false
+  second_thoughts: full
   settle: 10 s
   unknown:
     s.k2.stiffness: {initial: 2.5 kN/m, std: 20 %}

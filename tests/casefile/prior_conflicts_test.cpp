@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
-#include "kalfem/steps/run_study.hpp"
 #include "kalfem/steps/field_series.hpp"
+#include "kalfem/steps/run_study.hpp"
 
 #include "casefile/damping_of_unknowns.hpp"
 
@@ -14,7 +14,8 @@ namespace {
 const std::string usual = "mu_k1: {initial: 10 N, std: 50 %}";
 
 StudyResults results_of(const std::string& mu_k1) {
-  const Study study = study_of(with(chain_case("4 s", ""), usual, mu_k1));
+  const Study study =
+      study_of(with(with(chain_case("4 s", ""), usual, mu_k1), "estimate:\n", "estimate:\n  second_thoughts: full\n"));
   return run_study(study, "estimate");
 }
 

@@ -25,6 +25,7 @@ sensors:
 simulate: {duration: 6 s, sample_rate: 200 Hz, tolerance: 1e-4}
 estimate:
   settle: 1 s
+  second_thoughts: full
   substeps: 4
   process_noise: {acceleration: )" +
          noise + R"(}

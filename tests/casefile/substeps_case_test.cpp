@@ -16,6 +16,7 @@ namespace {
 const std::string oscillator = cubic_oscillator + R"(estimate:
   unknown: {c.k3: {initial: 1e7, std: 50 %}}
   settle: 0.2 s
+  second_thoughts: full
 )";
 
 TEST(SubstepsOfACase, AreChosenAndReported) {

@@ -110,7 +110,7 @@ TEST_F(Validation, AnErrorMuchLargerThanOnTheOwnPartIsAReason) {
 }
 
 TEST_F(Validation, StandsInEveryResult) {
-  const Changes changes = validated("start: 2.01 s");
+  const Changes changes = validated("start: 2.01 s", {{"  settle: 0.5 s", "  settle: 0.5 s\n  second_thoughts: full"}});
   const Study study = load(changes);
   const auto results = run_study(study, "estimate");
   const auto summary = summarise(study, results);

@@ -79,8 +79,8 @@ std::filesystem::path write_case(const CaseFamily& family, const Measurement& me
     text += fmt::format("  {}: {{{}, file: excitation.csv, channel: {}}}\n", each.name, each.drives, each.name);
   text +=
       sensors_of(family, &measurement.sensors) + "record: {file: record.csv, skip_missing: true}\n" + family.estimate;
-  if (const char* thoughts = std::getenv("KALFEM_SECOND_THOUGHTS"))
-    text += fmt::format("  second_thoughts: {}\n", thoughts);
+  const char* thoughts = std::getenv("KALFEM_SECOND_THOUGHTS");  // what the figures of a default run rest on: 2
+  text += fmt::format("  second_thoughts: {}\n", thoughts ? thoughts : "full");
   return write(folder / "case.yaml", text);
 }
 
