@@ -9,8 +9,8 @@
 #include "filter_walk.hpp"
 #include "kalfem/base/parallel.hpp"
 #include "kalfem/identification/filter_likelihood.hpp"
-#include "kalfem/steps/run_study.hpp"
 #include "kalfem/steps/field_series.hpp"
+#include "kalfem/steps/run_study.hpp"
 #include "timing.hpp"
 
 namespace {

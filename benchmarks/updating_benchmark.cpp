@@ -12,8 +12,8 @@
 #include "kalfem/identification/initial_state.hpp"
 #include "kalfem/identification/record_residual.hpp"
 #include "kalfem/identification/simulation_residual.hpp"
-#include "kalfem/steps/run_study.hpp"
 #include "kalfem/steps/field_series.hpp"
+#include "kalfem/steps/run_study.hpp"
 #include "timing.hpp"
 
 namespace {

@@ -139,7 +139,7 @@ template <class T>
 const char* words_for() {
   if constexpr (std::is_same_v<T, bool>) return "True or False";
   if constexpr (std::is_same_v<T, std::string>) return "a text";
-  if constexpr (std::is_same_v<T, double>) return "a number";
+  if constexpr (std::is_same_v<T, double> || std::is_same_v<T, std::optional<double>>) return "a number";
   return "a whole number";
 }
 

@@ -88,7 +88,7 @@ def estimate(
     second_thoughts : float or str, optional
         What may follow the first answer (more substeps, changes of parameters within the record, other process noise,
         the mistake behind a contradiction): so many times its filter steps, ``none``, or ``full``. If it is not
-        given, 2, or none without `diagnose`.
+        given, all, or none without `diagnose`.
     progress : bool or callable
         Show a bar, or call a function with the fraction done and words.
 

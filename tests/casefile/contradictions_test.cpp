@@ -259,7 +259,7 @@ INSTANTIATE_TEST_SUITE_P(
                "duration: 0.5 s, sample_rate",
                "duration: 1.5 s, sample_rate",
                "  measured:",
-               {"excitation.measured", "from 0 s to 1 s"}},
+               {"excitation.measured", "the input ends at 1 s, 500 ms before 1.5 s"}},
         Change{"DelayedBeforeItsRecord",
                "inputs",
                "delayed: {input: sine",

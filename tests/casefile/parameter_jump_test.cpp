@@ -49,7 +49,7 @@ connectors:
 excitation: {f: {force: m.c, random: {rms: 100 N, band: [1 Hz, 30 Hz], seed: 3}}}
 sensors: {a: {acceleration: m.a, noise: 5 %}, b: {acceleration: m.b, noise: 5 %}, c: {acceleration: m.c, noise: 5 %}}
 simulate: {duration: 20 s, sample_rate: 200 Hz, seed: 3}
-estimate: {unknown: {s1.k: {initial: 36 kN/m, std: 30 %}, s2.k: {initial: 45 kN/m, std: 30 %}, s3.k: {initial: 33 kN/m, std: 30 %}}}
+estimate: {second_thoughts: 2, unknown: {s1.k: {initial: 36 kN/m, std: 30 %}, s2.k: {initial: 45 kN/m, std: 30 %}, s3.k: {initial: 33 kN/m, std: 30 %}}}
 )";
 }
 

@@ -8,8 +8,8 @@
 #include "kalfem/base/random.hpp"
 #include "kalfem/records/record.hpp"
 #include "kalfem/steps/estimation/compute.hpp"
-#include "kalfem/steps/run_study.hpp"
 #include "kalfem/steps/field_series.hpp"
+#include "kalfem/steps/run_study.hpp"
 #include "kalfem/steps/simulation/outcome.hpp"
 
 // Strain of the vehicle's frame where no gauge is: errors and bands over roads and draws of the noise.

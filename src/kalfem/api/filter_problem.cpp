@@ -175,7 +175,7 @@ private:
     settings.passes = options_.passes;
     settings.settle = options_.settle;
     settings.diagnose = options_.diagnose;
-    settings.second_thoughts = options_.second_thoughts.value_or(options_.diagnose ? usual_second_thoughts : 0.0);
+    settings.second_thoughts = options_.second_thoughts.value_or(options_.diagnose ? StepBudget::unlimited : 0.0);
     settings.substeps = options_.substeps;
     settings.threads = options_.threads;
     for (std::size_t i = 0; i < options_.initial_state.size(); ++i) {

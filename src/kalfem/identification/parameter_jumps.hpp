@@ -10,8 +10,8 @@ namespace kalfem {
 
 /// An unknown that has one value before a time and another one from it on.
 struct ParameterJump {
-  Eigen::Index unknown = 0;          ///< its place among all unknowns
-  Eigen::Index sample = 0;           ///< the first one with the new value
+  Eigen::Index unknown = 0;  ///< its place among all unknowns
+  Eigen::Index sample = 0;   ///< the first one with the new value
   /// 95 % interval of that sample, as far as other places were tried: there the log-likelihood is lower by 3.7, which
   /// the largest of a walk with that drift exceeds once in twenty times (Siegmund 1988, Int. Stat. Review 56, 31-48).
   Eigen::Index earliest = 0, latest = 0;

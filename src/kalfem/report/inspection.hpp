@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "kalfem/page/page.hpp"
 #include "kalfem/records/channel_statistics.hpp"
 #include "kalfem/records/measured_file.hpp"
-#include "kalfem/page/page.hpp"
 
 namespace kalfem {
 

@@ -231,7 +231,7 @@ EstimationProblem make_estimation_problem(const CaseStudy& study, IssueList& iss
                       .threads = given.threads,
                       .outliers = given.outliers,
                       .diagnose = given.diagnose,
-                      .second_thoughts = given.second_thoughts.value_or(given.diagnose ? usual_second_thoughts : 0.0),
+                      .second_thoughts = given.second_thoughts.value_or(given.diagnose ? StepBudget::unlimited : 0.0),
                       .smooth = given.smooth};
   problem.settings.unknown_inputs = unknown_inputs_of(study, issues);
   const StructureModel held = held_structure(study, issues);

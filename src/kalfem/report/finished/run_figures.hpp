@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "kalfem/report/finished/finished_run.hpp"
 #include "kalfem/page/page.hpp"
+#include "kalfem/report/finished/finished_run.hpp"
 
 namespace kalfem {
 

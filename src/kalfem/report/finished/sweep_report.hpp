@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "kalfem/base/output_folder.hpp"
-#include "kalfem/report/finished/finished_run.hpp"
 #include "kalfem/page/page.hpp"
+#include "kalfem/report/finished/finished_run.hpp"
 #include "kalfem/report/finished/sweep.hpp"
 
 namespace kalfem {

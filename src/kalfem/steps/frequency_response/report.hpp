@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "kalfem/steps/frequency_response/outcome.hpp"
 #include "kalfem/page/page.hpp"
+#include "kalfem/steps/frequency_response/outcome.hpp"
 
 namespace kalfem {
 

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "kalfem/steps/placement/outcome.hpp"
 #include "kalfem/page/page.hpp"
+#include "kalfem/steps/placement/outcome.hpp"
 #include "kalfem/study/study.hpp"
 
 namespace kalfem {

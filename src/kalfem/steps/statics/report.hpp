@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "kalfem/steps/statics/outcome.hpp"
 #include "kalfem/page/page.hpp"
+#include "kalfem/steps/statics/outcome.hpp"
 #include "kalfem/study/statics_plan.hpp"
 
 namespace kalfem {
