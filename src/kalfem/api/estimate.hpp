@@ -66,8 +66,8 @@ struct EstimateOptions {
   /// of the record, and only where something is wrong. An OnlineFilter never looks.
   bool diagnose = true;
   /// Filter steps of all that follows the first answer (more substeps, other process noise, changes of parameters
-  /// within the record, the diagnosis), in those of the first answer. 0: nothing follows; infinity: all. Empty: 2, or
-  /// 0 without `diagnose`.
+  /// within the record, the diagnosis), in those of the first answer. 0: nothing follows; infinity: all. Empty:
+  /// all, or nothing without `diagnose`.
   std::optional<double> second_thoughts = {};
 };
 

@@ -117,10 +117,6 @@ struct LikelihoodUnknown {
   std::optional<double> truth = {};
 };
 
-/// Times the filter steps of the first answer that what follows it may take where nothing is said: with them a run
-/// takes about three times as long as its answer.
-inline constexpr double usual_second_thoughts = 2.0;
-
 /// Settings of the filter.
 struct EstimationSettings {
   std::optional<FilterKind> filter = {};  ///< if empty, the system decides
@@ -146,7 +142,7 @@ struct EstimationSettings {
   bool diagnose = true;  ///< look for the mistake that explains a run which contradicts itself
   /// Filter steps of all that follows the first answer (more substeps, other process noise, changes of unknowns, the
   /// mistake behind a contradiction), in those of the first answer. 0: nothing follows; see RecordEstimate.
-  double second_thoughts = usual_second_thoughts;
+  double second_thoughts = StepBudget::unlimited;
   bool smooth = false;  ///< estimate every sample from the whole record too
 };
 
