@@ -299,11 +299,16 @@ private:
   EstimationResult result_;
 };
 
-/// The prior of the next run over the record: parameters and initial state of the last one, the first prior's
-/// covariance.
+/// The prior of the next run over the record: parameters of the last one, and its initial state where it is kept, under
+/// the first prior's covariance.
 Gaussian next_prior(const AugmentedModel& augmented_model, const EstimationResult& result) {
   const auto& layout = augmented_model.layout();
   const VectorXd last = result.state.mean.col(result.state.mean.cols() - 1);
+  if (!augmented_model.options().keep_initial_state) {
+    Gaussian prior = augmented_model.prior();
+    prior.mean.segment(layout.unknown(), layout.unknowns) = last.segment(layout.unknown(), layout.unknowns);
+    return prior;
+  }
   return augmented_model.prior_about(last.segment(layout.unknown(), layout.unknowns),
                                      last.segment(layout.initial_state(), layout.linear),
                                      last.tail(layout.connector_states));
@@ -335,10 +340,6 @@ IssueList validate(const AugmentedModel& augmented_model, const EstimationOption
     issues.add({}, "several passes are requested with adaptive noise",
                "each pass would find the noise of every instant again from its stated value", "set passes: 1");
   if (options.passes < 1) issues.add({}, "the number of passes is below 1", "");
-  if (options.passes > 1 && !augmented_model.options().keep_initial_state)
-    issues.add({}, "several passes are requested without estimating the initial state",
-               "each pass starts from the initial state that the previous one estimated",
-               "set estimate_initial_state: true");
   return issues;
 }
 

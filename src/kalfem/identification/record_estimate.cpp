@@ -105,6 +105,7 @@ RecordEstimate estimate_record(const EstimationProblemPtr& problem, const Augmen
   RecordEstimation estimation(problem, setup, record, options);
   StepBudget unlimited;
   estimation.answer();
+  estimation.repeat_from_estimates(unlimited);
   estimation.settle_substeps(unlimited);
   estimation.look_for_jump(unlimited);
   return std::move(estimation.estimate());
@@ -122,6 +123,7 @@ RecordEstimate estimate_record_thoroughly(const EstimationProblemPtr& problem, A
   StepBudget budget(allowed > 0.0 ? allowed * std::max(steps, usual_steps(record)) : 0.0);
   estimate.second_thoughts = allowed > 0.0 ? SecondThoughts::pending : SecondThoughts::none;
   if (options.on_first_answer) options.on_first_answer(estimate);
+  estimation.repeat_from_estimates(budget);
   estimation.settle_substeps(budget);
   renew_bases(problem, setup, record, options, budget, estimation);
   estimation.look_for_jump(budget);

@@ -24,6 +24,9 @@ constexpr int most_jump_substeps = 8, limited_jump_substeps = 2;
 /// Mean NIS over what is expected: a run that contradicts itself, and by how much rest must be better.
 constexpr double contradicting_nis = 2.0, far_less = 0.5;
 
+/// Of an estimate by its prior's mean, in standard deviations: a bias of it leaves 95 % intervals as they are.
+constexpr double hardly_pulled = 0.2;
+
 /// Takes the rows of unknown inputs, which stand behind the monitored quantities.
 std::vector<EstimatedInput> take_inputs(const std::vector<UnknownInput>& inputs, EstimatedSeries& monitored) {
   auto& [mean, deviation] = monitored;
@@ -76,6 +79,21 @@ double relative_nis(const FilteredRecord& filtered) {
   const auto found =
       summarise_consistency(result.nis, result.measured, result.innovation, filtered.run.input.measured.noise(), 0);
   return found.mean_nis / found.expected_nis;
+}
+
+/// How far the prior's mean draws an estimate, in its deviations: the largest of the constant unknowns, infinite where
+/// one of them walks.
+double largest_pull(const RecordEstimate& estimate) {
+  const auto& history = estimate.result.unknowns_history;
+  if (history.empty() || history.unknowns.size() < estimate.augmented_model->options().unknowns.size())
+    return std::numeric_limits<double>::infinity();
+  double largest = 0.0;
+  for (Index i = 0; i < history.mean.rows(); ++i) {
+    const double variance = history.covariance_at(history.last())(i, i), prior = history.covariance_at(0)(i, i);
+    largest =
+        std::max(largest, std::abs(history.mean(i, history.last()) - history.mean(i, 0)) * std::sqrt(variance) / prior);
+  }
+  return largest;
 }
 
 /// A change of an unknown as an event of the record.
@@ -190,6 +208,29 @@ void RecordEstimation::try_rest(FilteredRecord& filtered, int substeps) {
   setup_ = std::move(from_rest);
   screening_ = std::move(screening);
   filtered = std::move(at_rest);
+}
+
+/// Kept where it no longer contradicts itself: so the first guess was all that was wrong. The prior's mean does not
+/// count in the second pass, which is right where it hardly pulls at an estimate.
+void RecordEstimation::repeat_from_estimates(StepBudget& budget) {
+  const auto& settings = problem_->settings;
+  if (estimate_.result.failure || settings.passes > 1 || settings.adaptive_noise.any() ||
+      !contradicts_itself(estimate_) || !(largest_pull(estimate_) < hardly_pulled))
+    return;
+  const int substeps = estimate_.substeps.substeps;
+  if (!budget.take(2.0 * steps_of_run(*problem_, record_, substeps)))
+    return estimate_.leave_out("a second pass from the estimates");
+  RecordEstimation again = *this;
+  auto repeated = std::make_shared<EstimationProblem>(*problem_);
+  repeated->settings.passes = 2;
+  again.problem_ = std::move(repeated);
+  again.screening_->pass_twice(estimate_.start.moving || states_initial_motion(settings));
+  again.evaluate(again.screening_->run(substeps), estimate_.substeps);
+  if (again.estimate_.result.failure || contradicts_itself(again.estimate_)) {
+    other_steps_ += again.screening_->steps() - screening_->steps();
+    return;
+  }
+  *this = std::move(again);
 }
 
 void RecordEstimation::settle_substeps(StepBudget& budget) {

@@ -13,8 +13,10 @@ namespace kalfem {
 /// 1. answer(): the likelihood unknowns, the filter over the record without the samples of faulty sensors, and a run
 ///    with half of its substeps, which tells what these leave in the estimates. Where the first samples alone say that
 ///    the structure moves and the run contradicts itself, it is run from rest, too.
-/// 2. settle_substeps(): as many more substeps as that bias asks for.
-/// 3. look_for_jump(): an unknown that is not constant.
+/// 2. repeat_from_estimates(): a run that contradicts itself once more from its own estimates, as a filter that
+///    linearises about a first guess far off learns wrongly from the first samples, and never forgets.
+/// 3. settle_substeps(): as many more substeps as that bias asks for.
+/// 4. look_for_jump(): an unknown that is not constant.
 ///
 /// Each search behind the answer ends before a run that the budget does not allow, and is then among what was left out.
 class RecordEstimation {
@@ -23,6 +25,7 @@ public:
                    const RecordEstimateOptions& options);
 
   void answer();
+  void repeat_from_estimates(StepBudget& budget);
   void settle_substeps(StepBudget& budget);
   void look_for_jump(StepBudget& budget);
   void study_process_noise(StepBudget& budget);

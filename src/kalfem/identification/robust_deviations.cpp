@@ -13,26 +13,27 @@ using Eigen::Index;
 
 namespace {
 
-/// Whether the innovations contradict the model, or widen a deviation along time already.
-bool contradicts_model(const RecordEstimate& estimate) {
-  const auto& history = estimate.result.unknowns_history;
-  const auto stated = history.covariance_at(history.last());
-  for (Index i = 0; i < stated.rows(); ++i)
-    if (estimate.robust.covariance(i, i) > suspicious_widening * suspicious_widening * stated(i, i)) return true;
-  return std::ranges::any_of(innovation_reasons(innovations_of(estimate)), [](const Reason& reason) {
-    return reason.code.starts_with("innovation_") || reason.code.starts_with("nis_");
-  });
-}
-
 /// Frequency bands of a run whose numbers agree with its model contradict each other by chance only.
 void widen_by_bands(RecordEstimate& estimate) {
-  if (!contradicts_model(estimate)) return;
+  if (!contradicts_itself(estimate)) return;
   const auto& history = estimate.result.unknowns_history;
   const auto innovations = sensitive_innovations(history, estimate.settled);
   if (!innovations.derivative.empty()) widen(estimate.robust, band_variances(innovations, prior_score(history)));
 }
 
 }  // namespace
+
+bool contradicts_itself(const RecordEstimate& estimate) {
+  const auto& history = estimate.result.unknowns_history;
+  if (!history.empty() && estimate.robust.covariance.size() > 0) {
+    const auto stated = history.covariance_at(history.last());
+    for (Index i = 0; i < stated.rows(); ++i)
+      if (estimate.robust.covariance(i, i) > suspicious_widening * suspicious_widening * stated(i, i)) return true;
+  }
+  return std::ranges::any_of(innovation_reasons(innovations_of(estimate)), [](const Reason& reason) {
+    return reason.code.starts_with("innovation_") || reason.code.starts_with("nis_");
+  });
+}
 
 InnovationRecord innovations_of(const Record& measured, const EstimationResult& result, Index first) {
   InnovationRecord record{.noise = measured.noise(),

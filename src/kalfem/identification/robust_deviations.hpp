@@ -11,6 +11,9 @@ InnovationRecord innovations_of(const Record& measured, const EstimationResult& 
 /// Those of an estimation: after settling.
 InnovationRecord innovations_of(const RecordEstimate& estimate);
 
+/// Whether the innovations contradict the model, or the scores widen a deviation by what matters.
+bool contradicts_itself(const RecordEstimate& estimate);
+
 /// Sets the deviations of the unknowns that hold where the model is not the truth, from their course (scores along
 /// time). Where the innovations contradict the model, also from what frequency bands contradict each other by
 /// (band_variances()), the larger one of each.

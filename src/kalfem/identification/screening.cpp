@@ -43,7 +43,7 @@ FilteredRecord Screening::run(int substeps) {
 
 FilteredRecord Screening::run_once(int substeps) {
   setup_.options.substeps = substeps;
-  steps_ += steps_of_run(*problem_, record_, substeps);
+  steps_ += steps_of_run(*problem_, record_, substeps) / problem_->settings.passes * options_.passes;
   return run_filter(problem_, setup_, record_, options_);
 }
 

@@ -26,6 +26,13 @@ public:
   /// The start of the record is that of this run from now on.
   void keep_start(const RecordStart& start) { setup_.starts_at_rest = !start.moving; }
 
+  /// Every run from now on passes twice over the record, the second time from the estimates of the first: parameters
+  /// and, where the structure moves at the first sample, the motion there.
+  void pass_twice(bool moving) {
+    options_.passes = 2;
+    setup_.options.keep_initial_state = setup_.options.keep_initial_state || moving;
+  }
+
   /// What is wrong with the record or missing in it, by the result of the last run.
   [[nodiscard]] std::vector<SensorEvent> events(const EstimationResult& result) const;
   /// As they are for the last run: with its outliers, its samples that are held out, and the noise that holds for them.

@@ -16,7 +16,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr Index reach = 32;  ///< samples at either side, which give the kernel a transition of 0.1 of the rate
+constexpr Index fewest_samples = 32;  ///< of which a spectrum says something
+constexpr Index reach = 32;           ///< samples at either side, which give the kernel a transition of 0.1 of the rate
 
 /// Weights of the samples k - reach + 1 ... k + reach for the instant k + i / factor: row i. They sum up to one.
 MatrixXd phases(Index factor) {
@@ -39,9 +40,22 @@ double share_above_quarter(const Eigen::Ref<const VectorXd>& signal) {
   return all > 0.0 ? std::max(0.0, 1.0 - below / all) : 0.0;
 }
 
-bool needs_oversampling(const Eigen::Ref<const VectorXd>& signal) {
-  constexpr double matters = 1e-3;  // a spline's error is then about 0.3 % of the signal
-  return signal.size() >= 32 && share_above_quarter(signal) > matters;
+bool is_fast(const Eigen::Ref<const VectorXd>& signal) {
+  constexpr double told = 1e-3;
+  return signal.size() >= fewest_samples && share_above_quarter(signal) > told;
+}
+
+double spline_error(const Eigen::Ref<const VectorXd>& signal) {
+  if (signal.size() < fewest_samples) return 0.0;
+  constexpr int bands = 100;
+  const CumulativeSpectrum spectrum(signal, 1.0);
+  double below = 0.0, lost = 0.0;
+  for (int i = 1; i <= bands; ++i) {
+    const double to = 0.5 * i / bands, middle = to - 0.25 / bands, up_to = spectrum.mean_square_below(to);
+    lost += (up_to - below) * std::pow(middle / (1.0 - middle), 8);
+    below = up_to;
+  }
+  return below > 0.0 ? std::sqrt(lost / below) : 0.0;
 }
 
 std::string fast_content(double share, double sample_rate) {

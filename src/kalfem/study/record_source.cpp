@@ -282,7 +282,7 @@ void tell_fast_channels(PreparedRecord& prepared) {
   const Record& record = prepared.record;
   for (std::size_t j = 0; j < record.channels.size(); ++j) {
     const Eigen::VectorXd samples = record.values.row(static_cast<Index>(j)).transpose();
-    if (!samples.allFinite() || !needs_oversampling(samples)) continue;
+    if (!samples.allFinite() || !is_fast(samples)) continue;
     const double variance = (samples.array() - samples.mean()).square().mean();
     const double noise = 0.5 * record.channels[j].noise * record.channels[j].noise;
     const double share = share_above_quarter(samples) - noise / variance;

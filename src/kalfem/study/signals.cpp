@@ -261,7 +261,7 @@ private:
   /// The signal through the samples of a table, which is told where a spline alone would not do.
   SignalPtr sampled(const Record& table, const std::string& of) const {
     const Eigen::VectorXd samples = table.values.row(0).transpose();
-    if (needs_oversampling(samples))
+    if (is_fast(samples))
       all_.notes.preparation.push_back(of + ": " + fast_content(share_above_quarter(samples), table.sample_rate) +
                                        "; interpolated as a band-limited signal");
     return make_sampled(samples, {.sample_rate = table.sample_rate, .start = table.start});

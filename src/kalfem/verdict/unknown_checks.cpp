@@ -105,8 +105,8 @@ void check_widening(const EstimatedUnknown& unknown, std::vector<Reason>& reason
                      fmt::format("the standard deviation of unknown '{}' is {:.2g} times too small, because the "
                                  "innovations are larger than expected or correlated",
                                  unknown.name, unknown.widening),
-                     "rely on std_robust in the place of std, and look for what the model misses",
-                     VerdictState::suspicious, unknown.widening});
+                     "rely on std_robust in the place of std, and look for what the model misses", state,
+                     unknown.widening});
 }
 
 void check_pairs(const std::vector<EstimatedUnknown>& unknowns, const Eigen::Ref<const MatrixXd>& correlation,

@@ -2,6 +2,7 @@
 #include "kalfem/verdict/verdict.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 namespace kalfem {
@@ -31,7 +32,8 @@ VerdictState Verdict::state() const {
 std::vector<Reason> Verdict::reasons() const {
   auto sorted = reasons_;
   std::ranges::stable_sort(sorted, [](const Reason& one, const Reason& other) {
-    return std::tie(one.state, one.weight) > std::tie(other.state, other.weight);
+    const bool is_cause = std::isinf(one.weight), other_is = std::isinf(other.weight);
+    return std::tie(is_cause, one.state, one.weight) > std::tie(other_is, other.state, other.weight);
   });
   return sorted;
 }

@@ -22,7 +22,10 @@ std::string in_words(double duration) {
   return duration < 1.0 ? shortest(std::round(duration * 1e6) / 1e3) + " ms" : in_seconds(duration);
 }
 
-constexpr Eigen::Index oversampling = 4;  ///< a spline through so many samples in the place of one is right to 0.1 %
+constexpr Eigen::Index oversampling = 4;  ///< samples in the place of one
+/// Part of its rms that a spline may take from a signal: parameters come from good records to a part in a thousand, and
+/// what is taken from an excitation is missing in them.
+constexpr double largest_spline_error = 1e-4;
 
 constexpr double edge = 1e-6;  // of a sampling interval: instants that rounding moved over an end or a sample
 
@@ -102,7 +105,7 @@ SignalPtr make_sampled(Eigen::VectorXd values, const SampledOptions& options) {
       break;
     }
   issues.raise();
-  if (options.interpolation == Interpolation::linear || !needs_oversampling(values))
+  if (options.interpolation == Interpolation::linear || !(spline_error(values) > largest_spline_error))
     return std::make_shared<Sampled>(std::move(values), options);
   SampledOptions finer = options;
   finer.sample_rate *= static_cast<double>(oversampling);

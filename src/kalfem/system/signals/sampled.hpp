@@ -8,9 +8,8 @@ namespace kalfem {
 
 /// cubic:  not-a-knot spline: twice continuously differentiable, value of order 4, rate of order 3, acceleration of
 ///         order 2 in the sampling interval, up to the ends. Three samples give a parabola, two a line. Samples of
-///         which more than a thousandth of the variance lies above a quarter of the sampling rate are oversampled
-///         first, as a band-limited signal (oversampled(), four times): a spline would lose 3 % at 0.3 of the rate, 16
-///         % at 0.4.
+///         which a spline would take more than 1e-4 (spline_error()) are oversampled first, as a band-limited signal
+///         (oversampled(), four times): it takes 0.4 % at 0.2 of the rate, 3 % at 0.3 and 16 % at 0.4.
 /// linear: straight between the samples; the rate is the segment's slope (of the segment that begins there, at a
 ///         sample), the second derivative zero.
 enum class Interpolation { cubic, linear };

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+#include <cmath>
+#include <cstdlib>
+#include <iostream>
+
+#include <fmt/format.h>
+
+#include "random_record.hpp"
+
+namespace kalfem::calibration {
+namespace {
+
+/// A number from the environment, so that a part of the structures can be looked at.
+int number(const char* name, int otherwise) {
+  const char* text = std::getenv(name);
+  return text ? std::atoi(text) : otherwise;
+}
+
+/// Whether a count of intervals that hold the truth lies in the 99 % binomial range of 95 %.
+bool is_binomial(int held, int intervals) {
+  return std::abs(held - 0.95 * intervals) <= 2.576 * std::sqrt(0.95 * 0.05 * intervals);
+}
+
+bool holds(const ParameterEstimate& found, double truth) {
+  return found.interval_95.lower <= truth && truth <= found.interval_95.upper;
+}
+
+std::string codes_of(const Verdict& verdict) {
+  std::string text;
+  for (const auto& reason : verdict.reasons()) text += fmt::format(" {} ({:.2g})", reason.code, reason.weight);
+  return text;
+}
+
+// KALFEM_FIRST and KALFEM_COUNT: other seeds, or fewer. A line for each run that is not consistent or misses a truth.
+TEST(RightModels, AreConsistentAndHoldTheTruth) {
+  const int first = number("KALFEM_FIRST", 1), count = number("KALFEM_COUNT", 400);
+  int consistent = 0, too_small = 0, held = 0, intervals = 0;
+  for (int seed = first; seed < first + count; ++seed) {
+    const auto given = random_record(static_cast<std::uint64_t>(seed));
+    const auto found = estimate(given.structure, given.record, given.options);
+    const bool right = found.verdict.state() == VerdictState::consistent;
+    consistent += right ? 1 : 0;
+    const auto reasons = found.verdict.reasons();
+    too_small += std::ranges::any_of(reasons, [](const auto& each) { return each.code == "deviation_too_small"; });
+    std::string missed;
+    for (std::size_t i = 0; i < given.truth.size(); ++i) {
+      const auto& each = found.parameters[i];
+      const bool holds_it = holds(each, given.truth[i]);
+      ++intervals;
+      held += holds_it ? 1 : 0;
+      if (!holds_it || !right)
+        missed += fmt::format("; {} {:.4g} (std {:.2g}, robust {:.2g}) for {:.4g}", each.name, each.mean, each.std,
+                              each.std_robust, given.truth[i]);
+    }
+    if (!missed.empty())
+      std::cout << seed << " " << given.kind << ": " << to_string(found.verdict.state()) << codes_of(found.verdict)
+                << missed << std::endl;
+  }
+  std::cout << fmt::format("{} of {} consistent, {} of {} intervals true, a deviation too small in {}\n", consistent,
+                           count, held, intervals, too_small);
+  EXPECT_GE(consistent, 0.94 * count);
+  EXPECT_LE(too_small, 0.01 * count);
+  EXPECT_TRUE(is_binomial(held, intervals));
+}
+
+}  // namespace
+}  // namespace kalfem::calibration
