@@ -349,7 +349,7 @@ private:
 
 RandomRecord random_record(std::uint64_t seed, const RandomRecordOptions& options) {
   Draw draw(seed);
-  const bool frame = draw.chance(0.2);
+  const bool frame = draw.chance(0.2) && !options.lumped;
   Made made = frame ? portal_frame(draw) : masses_on_springs(draw);
   const VectorXd natural = frequencies(made.system);
   const double slowest = natural[0], fastest = natural[std::min<Index>(natural.size() - 1, frame ? 2 : 5)];

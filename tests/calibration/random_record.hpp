@@ -12,6 +12,7 @@ namespace kalfem::calibration {
 /// What a random structure's record is made with beside the seed.
 struct RandomRecordOptions {
   double periods = 0.0;    ///< of the slowest mode, its length; 0: 40 to 150
+  bool lumped = false;     ///< no frames
   bool from_rest = false;  ///< always; otherwise a quarter of the records start in motion
 };
 

@@ -1,36 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
-#include <cmath>
-#include <cstdlib>
 #include <iostream>
 
 #include <fmt/format.h>
 
-#include "random_record.hpp"
+#include "calibration_runs.hpp"
 
 namespace kalfem::calibration {
 namespace {
-
-/// A number from the environment, so that a part of the structures can be looked at.
-int number(const char* name, int otherwise) {
-  const char* text = std::getenv(name);
-  return text ? std::atoi(text) : otherwise;
-}
-
-/// Whether a count of intervals that hold the truth lies in the 99 % binomial range of 95 %.
-bool is_binomial(int held, int intervals) {
-  return std::abs(held - 0.95 * intervals) <= 2.576 * std::sqrt(0.95 * 0.05 * intervals);
-}
-
-bool holds(const ParameterEstimate& found, double truth) {
-  return found.interval_95.lower <= truth && truth <= found.interval_95.upper;
-}
-
-std::string codes_of(const Verdict& verdict) {
-  std::string text;
-  for (const auto& reason : verdict.reasons()) text += fmt::format(" {} ({:.2g})", reason.code, reason.weight);
-  return text;
-}
 
 // KALFEM_FIRST and KALFEM_COUNT: other seeds, or fewer. A line for each run that is not consistent or misses a truth.
 TEST(RightModels, AreConsistentAndHoldTheTruth) {

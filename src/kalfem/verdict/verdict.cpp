@@ -29,11 +29,19 @@ VerdictState Verdict::state() const {
   return worst;
 }
 
+namespace {
+
+/// A cause, then its symptoms, the gravest first, then what they do to the deviations of the unknowns.
+std::tuple<bool, VerdictState, bool, double> order_of(const Reason& reason) {
+  return {std::isinf(reason.weight), reason.state, reason.code != "deviation_too_small", reason.weight};
+}
+
+}  // namespace
+
 std::vector<Reason> Verdict::reasons() const {
   auto sorted = reasons_;
   std::ranges::stable_sort(sorted, [](const Reason& one, const Reason& other) {
-    const bool is_cause = std::isinf(one.weight), other_is = std::isinf(other.weight);
-    return std::tie(is_cause, one.state, one.weight) > std::tie(other_is, other.state, other.weight);
+    return order_of(one) > order_of(other);
   });
   return sorted;
 }

@@ -92,14 +92,16 @@ private:
   std::vector<CandidateMatrices> at_values_;
 };
 
+/// Substeps bias estimates, and these are known here: their deviations hardly depend on the step.
+constexpr int enough_for_deviations = 8;
+
 /// Runs the filter over the expected record of a set, in which noise is stated but not added.
 class FilterCheck {
 public:
   explicit FilterCheck(const Study& study) : study_(study) {}
 
-  /// Deviations of the counted unknowns at the end; empty where the filter fails. `substeps`: decided before; where
-  /// they are not, the run's are kept there for the next one.
-  [[nodiscard]] VectorXd deviation(const Set& set, std::optional<SubstepChoice>& substeps) const try {
+  /// Deviations of the counted unknowns at the end; empty where the filter fails.
+  [[nodiscard]] VectorXd deviation(const Set& set) const try {
     const auto& plan = *study_.placement;
     const auto problem = problem_with(set);
     const auto record = expected_record(problem, plan.drive, {}, VectorXd());
@@ -107,10 +109,8 @@ public:
     IssueList issues;
     auto setup = make_augmented_model_setup(*problem, problem->structure->parts, {}, issues);
     issues.raise();
-    if (substeps) setup.substeps = substeps;
     const auto estimate = estimate_record(problem, setup, *record);
     if (estimate.result.failure) return {};
-    if (!substeps) substeps = estimate.substeps;
     VectorXd deviation(static_cast<Index>(plan.counted));
     const auto& unknowns = estimate.augmented_model->options().unknowns;
     for (std::size_t i = 0; i < plan.counted; ++i) {
@@ -135,6 +135,7 @@ private:
     settings.outliers = OutlierTreatment::keep;
     settings.diagnose = settings.smooth = false;
     settings.threads = 1;
+    if (!settings.substeps) settings.substeps = enough_for_deviations;
     return std::make_shared<const EstimationProblem>(std::move(problem));
   }
 
@@ -268,13 +269,9 @@ private:
     }
     tell("filter over expected records", 0.8);
     const FilterCheck filter(study_);
-    const auto check = [&](CheckedSet& checked, std::optional<SubstepChoice> decided) {
-      checked.filter = filter.deviation(checked.set.candidates, decided);
-      return decided;
-    };
-    const auto substeps = check(outcome_.checked.front(), std::nullopt);
-    for_each_index(outcome_.checked.size() - 1, plan_.options.threads,
-                   [&](std::size_t i) { check(outcome_.checked[i + 1], substeps); });
+    for_each_index(outcome_.checked.size(), plan_.options.threads, [&](std::size_t i) {
+      outcome_.checked[i].filter = filter.deviation(outcome_.checked[i].set.candidates);
+    });
   }
 
   void remark() {
