@@ -263,12 +263,13 @@ double size_of_mount(const Made& made, double rate, Index samples) {
   return rms(d.tail(samples / 2));
 }
 
+enum class MountLaw { none, cubic, gap, hysteretic };
+
 /// The law of the mount for a deformation of that size, beside a spring of stiffness k.
-Law nonlinear_mount(Draw& draw, double size, double k, Made& made) {
-  const int which = draw.integer(0, 2);
+Law nonlinear_mount(Draw& draw, MountLaw which, double size, double k, Made& made) {
   LocalForce local{.shape = made.mount};
   const double c = 0.01 * k / (2.0 * pi * frequencies(made.system)[0]);
-  if (which == 0) {
+  if (which == MountLaw::cubic) {
     const double k3 = draw.within_decades(0.1, 1.0) * k / (size * size);
     made.kind += ", cubic";
     made.candidates.insert(made.candidates.begin(), {"mount.k3", k3});
@@ -276,7 +277,7 @@ Law nonlinear_mount(Draw& draw, double size, double k, Made& made) {
     made.system.local = {local};
     return law("cubic", {{"k3", k3}, {"c", c}});
   }
-  if (which == 1) {
+  if (which == MountLaw::gap) {
     const double gap = draw.within(1.0, 1.8) * size, stop = draw.within(0.5, 2.0) * k;
     made.kind += ", gap";
     made.candidates.insert(made.candidates.begin(), {"mount.k_stop", stop});
@@ -355,7 +356,9 @@ RandomRecord random_record(std::uint64_t seed, const RandomRecordOptions& option
   const double slowest = natural[0], fastest = natural[std::min<Index>(natural.size() - 1, frame ? 2 : 5)];
   const double rate = std::ceil(draw.within(6.0, 12.0) * fastest);
   const double periods = options.periods > 0.0 ? options.periods : draw.within(40.0, 150.0);
-  const Index lead = options.from_rest || draw.chance(0.75) ? 0 : static_cast<Index>(5.0 * rate / slowest);
+  const auto mount = draw.chance(0.3) ? MountLaw::none : static_cast<MountLaw>(draw.integer(1, 3));
+  const bool from_rest = options.from_rest || mount == MountLaw::hysteretic || draw.chance(0.7);
+  const Index lead = from_rest ? 0 : static_cast<Index>(5.0 * rate / slowest);
   const Index samples = std::min<Index>(4000, static_cast<Index>(periods * rate / slowest));
   const double size = draw.within_decades(2e-4, 2e-3);
 
@@ -364,9 +367,9 @@ RandomRecord random_record(std::uint64_t seed, const RandomRecordOptions& option
   drive.scale(size / size_of_mount(made, rate, std::min<Index>(3000, lead + samples)));
   Structure at_truth;
   made.build(at_truth);
-  if (draw.chance(0.7)) {
+  if (mount != MountLaw::none) {
     const double k = 1.0 / (made.mount.transpose() * made.system.stiffness.inverse() * made.mount)(0);
-    at_truth.connect("mount", made.points[0], made.points[1], nonlinear_mount(draw, size, k, made));
+    at_truth.connect("mount", made.points[0], made.points[1], nonlinear_mount(draw, mount, size, k, made));
   } else {
     made.kind += ", linear";
   }

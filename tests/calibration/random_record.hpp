@@ -22,7 +22,8 @@ struct RandomRecordOptions {
 /// Kinds: trees and rings of two to six masses, and plane portal frames of beams with a strain gauge; one or two
 /// forces, or a ground that is accelerated; all linear, or with one cubic spring, stop, or hysteretic element; one to
 /// four accelerometers and displacement sensors with 1 to 10 % noise; five to twelve samples a period of the fastest
-/// mode, or of the fastest that is excited; a start at rest or in motion.
+/// mode, or of the fastest that is excited; a start at rest
+/// or, without a hysteretic element, in motion.
 struct RandomRecord {
   std::string kind;
   Structure structure;  ///< driven, at the initial values

@@ -96,6 +96,14 @@ double largest_pull(const RecordEstimate& estimate) {
   return largest;
 }
 
+/// Whether a run contradicts itself, though not in the second half of the record, and its estimates owe nothing to
+/// their priors.
+bool was_misled_at_first(const RecordEstimate& estimate) {
+  if (estimate.result.failure || !contradicts_itself(estimate) || !(largest_pull(estimate) < hardly_pulled))
+    return false;
+  return !innovations_contradict(estimate, std::max(estimate.settled, estimate.measurements.samples() / 2));
+}
+
 /// A change of an unknown as an event of the record.
 SensorEvent event_of(const RecordEstimate& estimate, const ParameterJump& jump) {
   const auto& unknown = estimate.augmented_model->options().unknowns[static_cast<std::size_t>(jump.unknown)];
@@ -214,9 +222,7 @@ void RecordEstimation::try_rest(FilteredRecord& filtered, int substeps) {
 /// count in the second pass, which is right where it hardly pulls at an estimate.
 void RecordEstimation::repeat_from_estimates(StepBudget& budget) {
   const auto& settings = problem_->settings;
-  if (estimate_.result.failure || settings.passes > 1 || settings.adaptive_noise.any() ||
-      !contradicts_itself(estimate_) || !(largest_pull(estimate_) < hardly_pulled))
-    return;
+  if (settings.passes > 1 || settings.adaptive_noise.any() || !was_misled_at_first(estimate_)) return;
   const int substeps = estimate_.substeps.substeps;
   if (!budget.take(2.0 * steps_of_run(*problem_, record_, substeps)))
     return estimate_.leave_out("a second pass from the estimates");

@@ -23,6 +23,12 @@ void widen_by_bands(RecordEstimate& estimate) {
 
 }  // namespace
 
+bool innovations_contradict(const RecordEstimate& estimate, Index first) {
+  return std::ranges::any_of(
+      innovation_reasons(innovations_of(estimate.measurements, estimate.result, first)),
+      [](const Reason& reason) { return reason.code.starts_with("innovation_") || reason.code.starts_with("nis_"); });
+}
+
 bool contradicts_itself(const RecordEstimate& estimate) {
   const auto& history = estimate.result.unknowns_history;
   if (!history.empty() && estimate.robust.covariance.size() > 0) {
@@ -30,9 +36,7 @@ bool contradicts_itself(const RecordEstimate& estimate) {
     for (Index i = 0; i < stated.rows(); ++i)
       if (estimate.robust.covariance(i, i) > suspicious_widening * suspicious_widening * stated(i, i)) return true;
   }
-  return std::ranges::any_of(innovation_reasons(innovations_of(estimate)), [](const Reason& reason) {
-    return reason.code.starts_with("innovation_") || reason.code.starts_with("nis_");
-  });
+  return innovations_contradict(estimate, estimate.settled);
 }
 
 InnovationRecord innovations_of(const Record& measured, const EstimationResult& result, Index first) {

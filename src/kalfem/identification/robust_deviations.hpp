@@ -11,7 +11,9 @@ InnovationRecord innovations_of(const Record& measured, const EstimationResult& 
 /// Those of an estimation: after settling.
 InnovationRecord innovations_of(const RecordEstimate& estimate);
 
-/// Whether the innovations contradict the model, or the scores widen a deviation by what matters.
+/// Whether the innovations from a sample on contradict the model.
+bool innovations_contradict(const RecordEstimate& estimate, Eigen::Index first);
+/// Whether those after settling do, or the scores widen a deviation by what matters.
 bool contradicts_itself(const RecordEstimate& estimate);
 
 /// Sets the deviations of the unknowns that hold where the model is not the truth, from their course (scores along
