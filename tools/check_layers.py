@@ -33,13 +33,14 @@ ALLOWED = {
 LIBRARY = set(ALLOWED) - {"yaml", "distributed"}
 CORE = LIBRARY - {"formats", "verdict"}
 ALLOWED["identification"] = CORE | {"verdict"}
+ALLOWED["placement"] = CORE | {"identification"}
 ALLOWED["casefile"] = LIBRARY | {"identification", "yaml"}
 ALLOWED["study"] = ALLOWED["casefile"] | {"casefile"}
 ALLOWED["diagnosis"] = CORE | {"identification", "verdict"}
-ALLOWED["api"] = ALLOWED["diagnosis"] | {"diagnosis"}
+ALLOWED["api"] = ALLOWED["diagnosis"] | {"diagnosis", "placement"}
 ALLOWED["pictures"] = CORE | {"identification"}
 ALLOWED["page"] = NUMERICS | {"statistics", "records", "verdict", "pictures"}
-ALLOWED["steps"] = LIBRARY | {"identification", "diagnosis", "study", "pictures", "page"}
+ALLOWED["steps"] = LIBRARY | {"identification", "placement", "diagnosis", "study", "pictures", "page"}
 ALLOWED["report"] = ALLOWED["steps"] | {"steps"}
 INCLUDE = re.compile(r'#include "kalfem/(\w+)/')
 

@@ -32,6 +32,7 @@ void bind_sensors(py::module_& module);
 void bind_simulate(py::module_& module);
 void bind_structure(py::module_& module);
 void bind_sweep(py::module_& module);
+void bind_place(py::module_& module);
 void bind_update(py::module_& module);
 void bind_vibration(py::module_& module);
 

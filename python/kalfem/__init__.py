@@ -42,6 +42,7 @@ _NAMES = {
         "gain",
     ),
     "analysis": ("estimate", "simulate", "update"),
+    "placing": ("place", "Placement", "SensorSet"),
     "vibration": ("modes", "frf", "mac", "Modes"),
     "live": ("Filter", "Estimate"),
     "law_library": ("laws",),

@@ -267,6 +267,14 @@ def simulate(
     tolerance: float,
     progress: _Progress = None,
 ) -> tuple[_Datasets, str]: ...
+def place(
+    structure: Structure,
+    t: ArrayLike,
+    inputs: dict[str, ArrayLike],
+    arguments: dict[str, Any],
+    choice: dict[str, Any],
+    progress: _Progress = None,
+) -> dict[str, Any]: ...
 def update(
     structure: Structure,
     substructure: str,

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-/// Everything of kalfem::core: describe a structure, simulate it, estimate its states and parameters from a record, or
-/// update it by natural frequencies. Files of other programs (kalfem::formats) and case files (kalfem::study) have
-/// headers of their own:
+/// Everything of kalfem::core: describe a structure, simulate it, choose its sensors, estimate its states and
+/// parameters from a record, or update it by natural frequencies. Files of other programs (kalfem::formats) and case
+/// files (kalfem::study) have headers of their own:
 ///     kalfem/formats/tables/csv.hpp, kalfem/formats/deck.hpp, kalfem/formats/matrices/write.hpp
 ///     kalfem/report/run_case.hpp
 #include "kalfem/api/estimate.hpp"
@@ -11,6 +11,7 @@
 #include "kalfem/api/laws.hpp"
 #include "kalfem/api/live_filter.hpp"
 #include "kalfem/api/online_filter.hpp"
+#include "kalfem/api/place.hpp"
 #include "kalfem/api/sensors.hpp"
 #include "kalfem/api/simulate.hpp"
 #include "kalfem/api/structure.hpp"

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "kalfem/identification/expected_record.hpp"
+#include "kalfem/identification/unknown_prior.hpp"
 #include "kalfem/study/case_study.hpp"
 #include "kalfem/study/law_alternatives.hpp"
 #include "kalfem/study/stated_prior.hpp"
@@ -17,17 +18,6 @@ using Eigen::MatrixXd;
 namespace {
 
 namespace d = description;
-
-LogNormalPrior lognormal_about(double median, double deviation) {
-  return {.median = median, .log_deviation = deviation / median};
-}
-
-/// Gains and noise are positive, and their initial value is the median.
-MarginalPrior prior_of(const LikelihoodUnknown& unknown) {
-  const bool by_logarithm = unknown.kind != LikelihoodUnknownKind::sensor_delay && unknown.initial > 0.0;
-  if (by_logarithm) return lognormal_about(unknown.initial, unknown.deviation);
-  return NormalPrior{.mean = unknown.initial, .deviation = unknown.deviation};
-}
 
 /// With a standard deviation a normal one, otherwise the same density between the bounds.
 MarginalPrior prior_of(const UpdatingParameter& parameter) {
@@ -91,7 +81,7 @@ private:
       if (unknown.random_walk == 0.0)
         add({unknown.name, unknown.unit(), unknown.initial, unknown.truth}, kalfem::prior_of(unknown));
     for (const auto& unknown : problem.settings.likelihood_unknowns)
-      add({unknown.name, unknown.unit, unknown.initial, unknown.truth}, prior_of(unknown));
+      add({unknown.name, unknown.unit, unknown.initial, unknown.truth}, kalfem::prior_of(unknown));
   }
 
   void add_updated(const UpdatingSetup& updating) {
@@ -234,17 +224,6 @@ std::optional<SensitivityPlan> sensitivity_of(const CaseStudy& study, const Infe
 }
 
 }  // namespace
-
-MarginalPrior prior_of(const Unknown& unknown) {
-  const auto& transform = unknown.transform;
-  if (transform.kind == TransformKind::log) return lognormal_about(unknown.initial, unknown.deviation);
-  NormalPrior prior{.mean = unknown.initial, .deviation = unknown.deviation};
-  if (transform.kind == TransformKind::logit) {
-    prior.lower = transform.lower;
-    prior.upper = transform.upper;
-  }
-  return prior;
-}
 
 InferencePlan make_inference_plan(const CaseStudy& study, IssueList& issues) {
   const auto& [given, location, path] = *study.given.infer;
