@@ -12,6 +12,7 @@
 #include <unsupported/Eigen/FFT>
 
 #include "base/processor_time.hpp"
+#include "kalfem/records/oversampling.hpp"
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/records/record.hpp"
 #include "kalfem/system/signals/deterministic.hpp"
@@ -252,6 +253,20 @@ TEST(SampledSignal, IsBandLimitedWhereASplineWouldLoseContent) {
   EXPECT_LT(error_at(0.3, make), 3e-3);  // a spline through the samples alone: 0.05
   EXPECT_LT(error_at(0.4, make), 5e-3);  // 0.25
   EXPECT_LT(error_at(0.44, make), 6e-3);
+}
+
+/// The amplitude that the spline through the samples of a sine loses: 1 / (1 + sum over k of (f / (f - k))^4), Unser
+/// (1999).
+TEST(SampledSignal, KnowsWhatASplineWouldTake) {
+  for (const double f : {0.08, 0.12, 0.2, 0.3}) {
+    const Eigen::VectorXd samples =
+        Eigen::VectorXd::NullaryExpr(2000, [&](Eigen::Index k) { return std::sin(2.0 * EIGEN_PI * f * double(k)); });
+    double images = 0.0;
+    for (int k = -50; k <= 50; ++k)
+      if (k != 0) images += std::pow(f / (f - k), 4);
+    EXPECT_NEAR(spline_error(samples) / images, 1.0, 0.2) << f;
+  }
+  EXPECT_EQ(spline_error(Eigen::VectorXd::Constant(100, 3.0)), 0.0);
 }
 
 TEST(SampledSignal, KeepsItsSamplesWhereItIsOversampled) {

@@ -55,7 +55,7 @@ struct EstimateOptions {
   // Of a whole record; an OnlineFilter refuses them.
   bool initial_state_from_record = false;  ///< displacements and velocities from the displacement sensors
   bool estimate_initial_state = false;  ///< keep the initial state in the state vector and update it with every sample
-  int passes = 1;                       ///< over the record; more than one needs estimate_initial_state
+  int passes = 1;  ///< over the record, each from the parameters of the last (and from its initial state, where kept)
   /// Time from which on innovations count in the verdict [s]. Empty: at once where the motion at the start is known,
   /// otherwise by the decay of the structure's slowest mode, at the latest after a tenth of the record.
   std::optional<double> settle = {};

@@ -167,7 +167,9 @@ Schema<Estimation> estimation() {
               "substeps", &Estimation::substeps, substeps(),
               "number of parts of a sample interval within which connector forces and inputs vary linearly; auto: "
               "from 4 on, doubled until their bias is below 0.2 standard deviations of every unknown")
-          .optional("passes", &Estimation::passes, integer(1, 100), "number of runs over the record")
+          .optional("passes", &Estimation::passes, integer(1, 100),
+                    "number of runs over the record, each from the parameters of the last, and from its initial "
+                    "state with estimate_initial_state")
           .optional("threads", &Estimation::threads, integer(0, 64),
                     "number of threads for large covariances, 0 for one per processor; results do not depend on it")
           .optional(

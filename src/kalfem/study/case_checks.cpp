@@ -279,11 +279,6 @@ void check_adaptive_noise(const d::Case& given, IssueList& issues) {
 void check_estimation(const d::Case& given, IssueList& issues) {
   if (!given.estimate) return;
   const auto& estimate = *given.estimate;
-  const auto place = [&](const char* key) { return given.source.at({"estimate", key}); };
-  if (estimate.passes > 1 && !estimate.estimate_initial_state)
-    issues.add(place("passes"), "estimate.passes is > 1 without estimate_initial_state",
-               "each pass starts from the initial state that the previous one estimated",
-               "set estimate.estimate_initial_state: true");
   check_adaptive_noise(given, issues);
   if (estimate.initial_state_from_record)
     for (const auto& [point, start] : estimate.initial_state)
