@@ -12,8 +12,8 @@
 #include <unsupported/Eigen/FFT>
 
 #include "base/processor_time.hpp"
-#include "kalfem/records/oversampling.hpp"
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/records/oversampling.hpp"
 #include "kalfem/records/record.hpp"
 #include "kalfem/system/signals/deterministic.hpp"
 #include "kalfem/system/signals/integrated_velocity.hpp"
