@@ -12,6 +12,7 @@
 #include "kalfem/estimation/failure.hpp"
 #include "kalfem/estimation/filter_setup.hpp"
 #include "kalfem/estimation/history_keeper.hpp"
+#include "kalfem/estimation/narrow_prior.hpp"
 #include "kalfem/statistics/quantiles.hpp"
 
 namespace kalfem {
@@ -299,16 +300,12 @@ private:
   EstimationResult result_;
 };
 
-/// The prior of the next run over the record: parameters of the last one, and its initial state where it is kept, under
-/// the first prior's covariance.
+/// The prior of the next run over the record: parameters and initial state of the last one, the first prior's
+/// covariance; without an initial state narrow_prior().
 Gaussian next_prior(const AugmentedModel& augmented_model, const EstimationResult& result) {
   const auto& layout = augmented_model.layout();
   const VectorXd last = result.state.mean.col(result.state.mean.cols() - 1);
-  if (!augmented_model.options().keep_initial_state) {
-    Gaussian prior = augmented_model.prior();
-    prior.mean.segment(layout.unknown(), layout.unknowns) = last.segment(layout.unknown(), layout.unknowns);
-    return prior;
-  }
+  if (!augmented_model.options().keep_initial_state) return narrow_prior(augmented_model, result);
   return augmented_model.prior_about(last.segment(layout.unknown(), layout.unknowns),
                                      last.segment(layout.initial_state(), layout.linear),
                                      last.tail(layout.connector_states));
@@ -349,6 +346,8 @@ EstimationResult estimate(const AugmentedModel& augmented_model, const FilterInp
   EstimationResult result = RecordRun(augmented_model, input, options).run(augmented_model.prior());
   for (int pass = 1; pass < options.passes && !result.failure; ++pass)
     result = RecordRun(augmented_model, input, options).run(next_prior(augmented_model, result));
+  if (options.passes > 1 && !augmented_model.options().keep_initial_state)
+    put_back(augmented_model.prior(), augmented_model, result);
   return result;
 }
 

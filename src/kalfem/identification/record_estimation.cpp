@@ -24,9 +24,6 @@ constexpr int most_jump_substeps = 8, limited_jump_substeps = 2;
 /// Mean NIS over what is expected: a run that contradicts itself, and by how much rest must be better.
 constexpr double contradicting_nis = 2.0, far_less = 0.5;
 
-/// Of an estimate by its prior's mean, in standard deviations: a bias of it leaves 95 % intervals as they are.
-constexpr double hardly_pulled = 0.2;
-
 /// Takes the rows of unknown inputs, which stand behind the monitored quantities.
 std::vector<EstimatedInput> take_inputs(const std::vector<UnknownInput>& inputs, EstimatedSeries& monitored) {
   auto& [mean, deviation] = monitored;
@@ -81,27 +78,10 @@ double relative_nis(const FilteredRecord& filtered) {
   return found.mean_nis / found.expected_nis;
 }
 
-/// How far the prior's mean draws an estimate, in its deviations: the largest of the constant unknowns, infinite where
-/// one of them walks.
-double largest_pull(const RecordEstimate& estimate) {
-  const auto& history = estimate.result.unknowns_history;
-  if (history.empty() || history.unknowns.size() < estimate.augmented_model->options().unknowns.size())
-    return std::numeric_limits<double>::infinity();
-  double largest = 0.0;
-  for (Index i = 0; i < history.mean.rows(); ++i) {
-    const double variance = history.covariance_at(history.last())(i, i), prior = history.covariance_at(0)(i, i);
-    largest =
-        std::max(largest, std::abs(history.mean(i, history.last()) - history.mean(i, 0)) * std::sqrt(variance) / prior);
-  }
-  return largest;
-}
-
-/// Whether a run contradicts itself, though not in the second half of the record, and its estimates owe nothing to
-/// their priors.
+/// Whether a run contradicts itself, though not in the second half of the record.
 bool was_misled_at_first(const RecordEstimate& estimate) {
-  if (estimate.result.failure || !contradicts_itself(estimate) || !(largest_pull(estimate) < hardly_pulled))
-    return false;
-  return !innovations_contradict(estimate, std::max(estimate.settled, estimate.measurements.samples() / 2));
+  return !estimate.result.failure && contradicts_itself(estimate) &&
+         !innovations_contradict(estimate, std::max(estimate.settled, estimate.measurements.samples() / 2));
 }
 
 /// A change of an unknown as an event of the record.
@@ -218,25 +198,32 @@ void RecordEstimation::try_rest(FilteredRecord& filtered, int substeps) {
   filtered = std::move(at_rest);
 }
 
-/// Kept where it no longer contradicts itself: so the first guess was all that was wrong. The prior's mean does not
-/// count in the second pass, which is right where it hardly pulls at an estimate.
+/// A second pass, from the parameters of the first, or from these and the motion at the start where that is unknown. It
+/// is kept where it no longer contradicts itself: so the first guess was all that was wrong.
 void RecordEstimation::repeat_from_estimates(StepBudget& budget) {
   const auto& settings = problem_->settings;
   if (settings.passes > 1 || settings.adaptive_noise.any() || !was_misled_at_first(estimate_)) return;
-  const int substeps = estimate_.substeps.substeps;
-  if (!budget.take(2.0 * steps_of_run(*problem_, record_, substeps)))
-    return estimate_.leave_out("a second pass from the estimates");
-  RecordEstimation again = *this;
+  const bool start_is_unknown = estimate_.start.moving || states_initial_motion(settings);
+  for (const bool with_start : {false, true}) {
+    if (with_start && !start_is_unknown) return;
+    if (!budget.take(2.0 * steps_of_run(*problem_, record_, estimate_.substeps.substeps)))
+      return estimate_.leave_out("a second pass from the estimates");
+    RecordEstimation again = *this;
+    again.pass_twice(with_start);
+    if (!again.estimate_.result.failure && !contradicts_itself(again.estimate_)) {
+      *this = std::move(again);
+      return;
+    }
+    other_steps_ += again.screening_->steps() - screening_->steps();
+  }
+}
+
+void RecordEstimation::pass_twice(bool with_start) {
   auto repeated = std::make_shared<EstimationProblem>(*problem_);
   repeated->settings.passes = 2;
-  again.problem_ = std::move(repeated);
-  again.screening_->pass_twice(estimate_.start.moving || states_initial_motion(settings));
-  again.evaluate(again.screening_->run(substeps), estimate_.substeps);
-  if (again.estimate_.result.failure || contradicts_itself(again.estimate_)) {
-    other_steps_ += again.screening_->steps() - screening_->steps();
-    return;
-  }
-  *this = std::move(again);
+  problem_ = std::move(repeated);
+  screening_->pass_twice(with_start);
+  evaluate(screening_->run(estimate_.substeps.substeps), estimate_.substeps);
 }
 
 void RecordEstimation::settle_substeps(StepBudget& budget) {

@@ -37,6 +37,7 @@ private:
   void correct();
   void run_first();
   void try_rest(FilteredRecord& filtered, int substeps);
+  void pass_twice(bool with_start);
   void evaluate(FilteredRecord filtered, SubstepChoice substeps);
   [[nodiscard]] FilterRun coarse_run(int substeps) const;
 

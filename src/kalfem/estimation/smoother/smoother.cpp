@@ -8,6 +8,7 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/estimation/adaptive_filter.hpp"
 #include "kalfem/estimation/filter_setup.hpp"
+#include "kalfem/estimation/narrow_prior.hpp"
 #include "kalfem/estimation/smoother/adjoint.hpp"
 
 namespace kalfem {
@@ -69,7 +70,8 @@ public:
   std::optional<SmootherStep> begin() {
     const std::shared_ptr<const AugmentedModel> first(std::shared_ptr<void>(), &augmented_model_);
     replace_model(std::make_shared<FilterSetup>(first, input_.noise, options_));
-    model_->setup->filter->reset(filtered_.prior);
+    const bool narrow = options_.passes > 1 && !augmented_model_.options().keep_initial_state;
+    model_->setup->filter->reset(narrow ? narrow_prior(augmented_model_, filtered_) : filtered_.prior);
     linearised_about_ = linear_estimate(augmented_model_, linear_unknowns_, filtered_.unknowns);
     SmootherStep step;
     if (!update(0, &step)) return std::nullopt;
