@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "kalfem/identification/parameter_drift.hpp"
 #include "kalfem/identification/stated_interval.hpp"
 
 namespace kalfem {
@@ -163,14 +164,23 @@ std::vector<Reason> reasons_of_events(const RecordEstimate& estimate) {
   return reasons;
 }
 
+const std::string& unit_of(const RecordEstimate& estimate, const ParameterJump& change) {
+  return estimate.augmented_model->options().unknowns[static_cast<std::size_t>(change.unknown)].unit;
+}
+
 /// A constant unknown that did not stay constant: the cause of what else contradicts itself, and as grave as that.
-std::vector<Reason> reasons_of_jump(const RecordEstimate& estimate, VerdictState others) {
+std::vector<Reason> reasons_of_change(const RecordEstimate& estimate, VerdictState others) {
   std::vector<Reason> reasons;
-  for (const auto& event : estimate.events)
-    if (event.kind == EventKind::jump)
-      reasons.push_back({"parameter_jump", event.channel, event.text,
-                         "estimate the record in two parts, or give the unknown a random_walk",
-                         std::max(VerdictState::suspicious, others), infinity});
+  for (const auto& event : estimate.events) {
+    if (event.kind != EventKind::jump) continue;
+    const bool drifts = is_drift(event);
+    const std::string remedy =
+        drifts ? fmt::format("estimate it as a random walk: state random_walk: {:.2g} (in {}/sqrt(s)) for '{}'",
+                             random_walk_of(event, *estimate.jump), unit_of(estimate, *estimate.jump), event.channel)
+               : "estimate the record in two parts, or give the unknown a random_walk";
+    reasons.push_back({drifts ? "parameter_drift" : "parameter_jump", event.channel, event.text, remedy,
+                       std::max(VerdictState::suspicious, others), infinity});
+  }
   return reasons;
 }
 
@@ -346,7 +356,7 @@ Verdict verdict_of(const RecordEstimate& estimate) {
   verdict.add(reasons_of_adapted_noise(estimate));
   verdict.add(reasons_of_open_loop(estimate));
   verdict.add(reasons_of_length(estimate));
-  verdict.add(reasons_of_jump(estimate, verdict.state()));
+  verdict.add(reasons_of_change(estimate, verdict.state()));
   return verdict;
 }
 

@@ -4,223 +4,36 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
+#include <optional>
+#include <tuple>
 
+#include "kalfem/identification/change_hints.hpp"
+#include "kalfem/identification/change_levels.hpp"
+#include "kalfem/identification/change_trials.hpp"
 #include "kalfem/identification/robust_deviations.hpp"
-#include "kalfem/linalg/scaled_inverse.hpp"
 #include "kalfem/verdict/verdict.hpp"
 
 namespace kalfem {
 
 using Eigen::Index;
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
 
-/// Of the largest T along a record: by chance above 16 in about 1 of 500 records (Andrews 1993, Table 1, continued).
-constexpr double worth_a_run = 16.0;
-constexpr double near_the_largest = 0.2;  ///< T of another unknown that is tried too
+constexpr double worth_a_run = 16.0;      ///< largest statistic of the scores
+constexpr double near_the_largest = 0.2;  ///< statistic of another unknown that is tried too
 constexpr std::size_t most_tried = 4;     ///< unknowns, of which the best
 constexpr std::size_t most_placed = 2;    ///< are placed
-constexpr int most_moves = 4;             ///< by one step
 constexpr double significant = 30.0;      ///< gain
 constexpr double slight = 0.3;            ///< excess of NIS about which scores still tell where
 constexpr double most_left = 0.5;         ///< of the excess of NIS, where the change explains it
+constexpr double little_left = 0.05;      ///< of it, where nothing else is to be explained
 constexpr double unlikely = 3.7;          ///< log-likelihood below the largest, out of the interval of a place
 constexpr double band = 1.96;             ///< standard deviations of a change
-constexpr double trimmed = 0.02;          ///< of an unknown's information at either end
 constexpr Index stretches = 40;           ///< of a run that forgets
-constexpr std::size_t fewest_stretches = 8;
-constexpr Index coarse_parts = 64;  ///< of the record: the step to which every unknown's change is placed
-
-/// A change that the scores hint at.
-struct Hint {
-  Index unknown = 0;  ///< among the constants
-  Index sample = 0;
-  double statistic = 0.0;
-};
-
-/// The largest T of each constant unknown.
-std::vector<Hint> hints_of(const UnknownsHistory& history, Index first) {
-  const MatrixXd last = history.covariance_at(history.last()), prior = scaled_inverse(history.covariance_at(0));
-  const VectorXd whole = (scaled_inverse(last) - prior).diagonal();
-  const VectorXd estimate = history.mean.col(history.last()), start = prior * (history.mean.col(0) - estimate);
-  std::vector<Hint> hints(history.unknowns.size());
-  ScaledInverse inverse;
-  MatrixXd gained;
-  VectorXd score, variance;
-  for (Index k = 1; k < history.last(); ++k) {
-    const Index sample = k * history.stride;
-    if (sample <= first) continue;
-    const MatrixXd& information = inverse(history.covariance_at(k));
-    gained = information - prior;
-    score = information * (history.mean.col(k) - estimate) - start;
-    variance = (gained - gained * last * gained).diagonal();
-    for (std::size_t i = 0; i < hints.size(); ++i) {
-      const auto row = static_cast<Index>(i);
-      const double share = gained(row, row) / whole[row];
-      if (!(share > trimmed && share < 1.0 - trimmed && variance[row] > 0.0)) continue;
-      const double statistic = score[row] * score[row] / variance[row];
-      if (statistic > hints[i].statistic) hints[i] = {row, sample, statistic};
-    }
-  }
-  std::ranges::sort(hints, std::greater{}, &Hint::statistic);
-  return hints;
-}
-
-/// A run with a change, and its log-likelihood.
-struct Trial {
-  Index unknown = 0, sample = 0;
-  EstimationResult result;
-
-  [[nodiscard]] double log_likelihood() const {
-    return result.failure ? -std::numeric_limits<double>::infinity() : result.log_likelihood;
-  }
-};
-
-class JumpSearch {
-public:
-  JumpSearch(const AugmentedModel& augmented_model, const FilterInput& input, EstimationOptions options, Index first,
-             double steps, StepBudget& budget)
-      : augmented_model_(augmented_model),
-        input_(input),
-        options_(std::move(options)),
-        first_(first),
-        steps_(steps),
-        budget_(budget) {
-    options_.passes = 1;  // a further pass would begin with the value after the change
-    options_.keep_unknowns = options_.state_means = false;
-    options_.monitored = {};
-    options_.progress = {};
-  }
-
-  [[nodiscard]] bool stopped() const { return stopped_; }  ///< the budget allowed no further run
-
-  EstimationResult without_change() {
-    if (!takes_a_run()) return {};
-    return estimate(augmented_model_, input_, options_);
-  }
-
-  Trial with_change(Index unknown, Index sample) {
-    if (!takes_a_run()) return {unknown, sample, {}};
-    EstimationOptions options = options_;
-    options.renewals = {{unknown, sample, prior_deviation(unknown)}};
-    Trial trial{unknown, sample, estimate(augmented_model_, input_, options)};
-    tried_.push_back({unknown, sample, trial.log_likelihood()});
-    return trial;
-  }
-
-  /// A run that forgets: all these unknowns are renewed after every stretch of so many samples.
-  EstimationResult forgetting(const std::vector<Index>& unknowns, Index stretch) {
-    if (!takes_a_run()) return {};
-    EstimationOptions options = options_;
-    for (Index sample = stretch; sample < input_.measured.samples(); sample += stretch)
-      for (const Index unknown : unknowns) options.renewals.push_back({unknown, sample, prior_deviation(unknown)});
-    return estimate(augmented_model_, input_, options);
-  }
-
-  /// Moves the change to the largest likelihood by steps that are halved from `step` down to `finest`. A step is
-  /// repeated a few times only: where the likelihood keeps rising, the change is nowhere near.
-  Trial placed(Trial best, Index step, Index finest) {
-    for (; step >= finest && !stopped_; step /= 2) {
-      for (int i = 0; i < most_moves && moves(best, step); ++i) {
-      }
-      resolution_ = stopped_ ? 2 * step : step;
-    }
-    return best;
-  }
-
-  /// Sets the interval of its sample by what was tried around it, no narrower than the steps by which it was placed.
-  void set_interval(double log_likelihood, double widening, ParameterJump& jump) const {
-    jump.earliest = first_;
-    jump.latest = input_.measured.samples() - 1;
-    for (const auto& [unknown, sample, other] : tried_) {
-      if (unknown != jump.unknown || log_likelihood - other < unlikely * widening * widening) continue;
-      if (sample < jump.sample) jump.earliest = std::max(jump.earliest, sample);
-      if (sample > jump.sample) jump.latest = std::min(jump.latest, sample);
-    }
-    jump.earliest = std::max(first_, std::min(jump.earliest, jump.sample - resolution_));
-    jump.latest = std::min(input_.measured.samples() - 1, std::max(jump.latest, jump.sample + resolution_));
-  }
-
-private:
-  struct Tried {
-    Index unknown = 0, sample = 0;
-    double log_likelihood = 0.0;
-  };
-
-  /// In the filter's state.
-  [[nodiscard]] double prior_deviation(Index unknown) const {
-    const auto& of = augmented_model_.options().unknowns[static_cast<std::size_t>(unknown)];
-    return of.deviation / of.transform.slope(of.transform.to_state(of.initial));
-  }
-
-  bool takes_a_run() {
-    if (!stopped_) stopped_ = !budget_.take(steps_);
-    return !stopped_;
-  }
-
-  bool moves(Trial& best, Index step) {
-    for (const Index sample : {best.sample - step, best.sample + step}) {
-      if (sample <= first_ || sample >= input_.measured.samples()) continue;
-      Trial moved = with_change(best.unknown, sample);
-      if (stopped_ || !(moved.log_likelihood() > best.log_likelihood())) continue;
-      best = std::move(moved);
-      return true;
-    }
-    return false;
-  }
-
-  const AugmentedModel& augmented_model_;
-  const FilterInput& input_;
-  EstimationOptions options_;
-  Index first_;
-  double steps_;
-  StepBudget& budget_;
-  bool stopped_ = false;
-  Index resolution_ = 1;  ///< samples within which the last place is the best
-  std::vector<Tried> tried_;
-};
-
-/// The split of a series into two levels that leaves the least: its place, and the F statistic of the levels.
-std::pair<Index, double> two_levels(const VectorXd& values, const VectorXd& weights) {
-  const Index count = values.size();
-  const double all = weights.dot(values) / weights.sum();
-  const double total = weights.dot((values.array() - all).square().matrix());
-  std::pair<Index, double> best{0, 0.0};
-  double weight = 0.0, sum = 0.0;
-  for (Index k = 1; k < count; ++k) {
-    weight += weights[k - 1];
-    sum += weights[k - 1] * values[k - 1];
-    const double others = weights.sum() - weight, before = sum / weight, after = (weights.dot(values) - sum) / others;
-    const double between = weight * others / weights.sum() * (after - before) * (after - before);
-    const double statistic = static_cast<double>(count - 2) * between / std::max(total - between, 1e-12 * total);
-    if (statistic > best.second) best = {k, statistic};
-  }
-  return best;
-}
-
-/// Where a run that forgets says that an unknown takes another value: about a model that holds it constant, scores are
-/// those of a compromise, which may suit neither value. The unknown whose stretches show two levels most clearly, where
-/// these explain most of its scatter.
-std::optional<Hint> hint_of_stretches(const EstimationResult& forgetting, const std::vector<Index>& unknowns,
-                                      Index stretch, Index first) {
-  const auto& [mean, deviation] = forgetting.unknowns;
-  std::vector<Index> ends;
-  for (Index end = stretch; end <= mean.cols(); end += stretch)
-    if (end > first) ends.push_back(end - 1);
-  if (forgetting.failure || ends.size() < fewest_stretches) return std::nullopt;  // none of a run that was not allowed
-  Hint clearest;
-  for (std::size_t i = 0; i < unknowns.size(); ++i) {
-    const VectorXd values = mean(unknowns[i], ends).transpose(), spread = deviation(unknowns[i], ends).transpose();
-    const auto [place, statistic] = two_levels(values, spread.cwiseMax(1e-300).cwiseAbs2().cwiseInverse());
-    if (place > 0 && statistic > clearest.statistic)
-      clearest = {static_cast<Index>(i), ends[static_cast<std::size_t>(place - 1)] + 1, statistic};
-  }
-  const auto freedom = static_cast<double>(ends.size() - 2);
-  return clearest.statistic > freedom ? std::optional(clearest) : std::nullopt;  // R^2 above one half
-}
+constexpr double clear_levels = 10.0;     ///< gain of two levels, or of a slow course, over one level
+constexpr double clear_shape = 10.0;      ///< gain by which levels alone tell a jump from a drift,
+constexpr double clear_part = 0.05;       ///< and part of it
 
 /// How far the innovations of a run are from what they should be.
 struct Contradiction {
@@ -244,86 +57,205 @@ Contradiction contradiction_of(const FilterInput& input, const EstimationResult&
   return found;
 }
 
-ParameterJump jump_of(const Trial& trial) {
-  const Index i = trial.unknown, last = trial.result.unknowns.mean.cols() - 1;
-  const auto& [mean, deviation] = trial.result.unknowns;
-  return {.unknown = i,
-          .sample = trial.sample,
-          .before = mean(i, trial.sample - 1),
-          .after = mean(i, last),
-          .deviation = std::hypot(deviation(i, trial.sample - 1), deviation(i, last))};
-}
+/// What the stretches of a run that forgets say of one unknown.
+struct UnknownLevels {
+  Index unknown = 0;
+  StretchLevels levels;
+  LevelFits fits;
 
-/// The unknowns and places to try, the likeliest first. Within a limited budget one: that of clear levels or, of a run
-/// that hardly contradicts itself, that of its scores.
-std::vector<Hint> hints_to_try(std::vector<Hint> of_scores, const std::optional<Hint>& of_stretches, bool limited,
-                               double excess) {
-  const double least = std::max(worth_a_run, near_the_largest * of_scores.front().statistic);
-  std::erase_if(of_scores, [&](const Hint& hint) { return hint.statistic < least; });
-  if (limited && of_stretches) return {*of_stretches};
-  if (limited && excess > slight) return {};
-  if (of_stretches) of_scores.insert(of_scores.begin(), *of_stretches);
-  of_scores.resize(std::min(of_scores.size(), limited ? 1 : most_tried));
-  return of_scores;
-}
-
-/// The changes that these hints name, the likeliest first; fewer where the budget ends.
-std::vector<Trial> trials_of(const std::vector<Hint>& hints, const std::vector<Index>& unknowns, JumpSearch& search) {
-  std::vector<Trial> trials;
-  for (const auto& hint : hints) {
-    Trial trial = search.with_change(unknowns[static_cast<std::size_t>(hint.unknown)], hint.sample);
-    if (search.stopped()) break;
-    trials.push_back(std::move(trial));
+  [[nodiscard]] Index start_of_second_level() const {
+    return levels.end[static_cast<std::size_t>(levels.second_level)] - levels.length;
   }
-  std::ranges::sort(trials, std::greater{}, &Trial::log_likelihood);
-  return trials;
-}
-
-/// Places the best ones, first coarsely where the budget allows that.
-Trial placed(std::vector<Trial> trials, Index samples, bool limited, JumpSearch& search) {
-  const Index coarse = std::max<Index>(1, samples / coarse_parts), stretch = std::max<Index>(1, samples / stretches);
-  if (limited) return search.placed(std::move(trials.front()), std::max<Index>(1, stretch / 2), 1);
-  std::optional<Trial> best;
-  for (std::size_t i = 0; i < std::min(trials.size(), most_placed); ++i) {
-    Trial trial = search.placed(std::move(trials[i]), 4 * coarse, coarse);
-    if (!best || trial.log_likelihood() > best->log_likelihood()) best = std::move(trial);
+  /// The middle of the stretch within which the level changes.
+  [[nodiscard]] Index place() const {
+    return levels.end[static_cast<std::size_t>(fits.place)] - std::max<Index>(1, levels.length / 2);
   }
-  return search.placed(*std::move(best), coarse / 2, 1);
-}
+};
+
+class ChangeSearch {
+public:
+  ChangeSearch(const AugmentedModel& augmented_model, const FilterInput& input, const EstimationOptions& options,
+               const EstimationResult& result, Index first, double steps, StepBudget& budget)
+      : augmented_model_(augmented_model),
+        input_(input),
+        result_(result),
+        unknowns_(result.unknowns_history.unknowns),
+        hints_(change_hints(result.unknowns_history, first)),
+        limited_(budget.is_limited()),
+        stretch_(std::max<Index>(1, input.measured.samples() / stretches)),
+        trials_(augmented_model, input, options, first, steps, budget) {}
+
+  JumpSearchResult run() {
+    if (hints_.empty() || hints_.front().statistic < worth_a_run) return {};
+    const auto clearest = clearest_levels();
+    const bool contradictory = contradiction(result_).excess > slight;
+    if (limited_ && !clearest && contradictory) return {.stopped = trials_.stopped()};
+    // Within a limited budget a change is compared with the run of the estimate itself, where that contradicts the
+    // record by more than what fewer substeps add.
+    const EstimationResult constant = limited_ && contradictory ? result_ : trials_.without_change();
+    const UnknownLevels levels = sharpened(clearest);
+    const bool ambiguous =
+        std::abs(levels.fits.slow - levels.fits.step) < std::max(clear_shape, clear_part * levels.fits.best());
+    const bool slow = levels.fits.is_slow() && !ambiguous;
+    std::optional<ParameterJump> drift, jump;
+    if (slow) drift = drift_of(levels, constant);
+    if (!drift) jump = jump_of(levels, clearest.has_value(), constant);
+    // Half of what a drift contradicts would be explained by a jump of the same unknown, too.
+    if (slow && jump && jump->unknown == levels.unknown) jump.reset();
+    const bool may_be_either = ambiguous && (levels.fits.is_slow() || !jump || !jump->explains);
+    if (may_be_either && !trials_.stopped()) drift = drift_of(levels, constant);
+    const bool drifts = drift && (!jump || drift->gain > jump->gain);
+    if (drifts || jump) return {.jump = drifts ? drift : jump};
+    return {.stopped = trials_.stopped()};
+  }
+
+private:
+  [[nodiscard]] Contradiction contradiction(const EstimationResult& result) const {
+    return contradiction_of(input_, result, trials_.first());
+  }
+
+  /// The part of the excess that a run with a change leaves. What fewer substeps than those of the estimate add is in
+  /// both, and none of its matter.
+  [[nodiscard]] double excess_left(const Contradiction& after, const Contradiction& constant) const {
+    const double before = std::min(constant.excess, contradiction(result_).excess), added = constant.excess - before;
+    return std::max(0.0, after.excess - added) / std::max(before, 1e-12);
+  }
+
+  /// Of each of these unknowns, from a run that renews all of them.
+  std::vector<UnknownLevels> levels_by(const std::vector<Index>& unknowns) {
+    const EstimationResult forgetting = trials_.forgetting(unknowns, stretch_);
+    std::vector<UnknownLevels> all;
+    if (trials_.stopped()) return all;
+    for (const Index unknown : unknowns) {
+      UnknownLevels each{.unknown = unknown};
+      each.levels = levels_of(forgetting, augmented_model_.layout().unknown() + unknown,
+                              trials_.prior_deviation(unknown), stretch_, trials_.first());
+      each.fits = fits_of(each.levels);
+      all.push_back(std::move(each));
+    }
+    return all;
+  }
+
+  /// About a model that holds a changing unknown constant, scores are those of a compromise, which may suit neither
+  /// value: a run that forgets tells which unknown changes, where one does clearly.
+  std::optional<UnknownLevels> clearest_levels() {
+    auto all = levels_by(unknowns_);
+    const auto clearest = std::ranges::max_element(all, {}, [](const auto& each) { return each.fits.best(); });
+    if (clearest == all.end() || clearest->fits.best() < clear_levels) return std::nullopt;
+    const auto other = std::ranges::max_element(all, {}, [](const auto& each) { return each.levels.contrast; });
+    if (other != clearest && other->levels.contrast > static_cast<double>(other->levels.value.size()))
+      by_contrast_ = ChangeHint{other->unknown, other->start_of_second_level(), 0.0};
+    return std::move(*clearest);
+  }
+
+  /// The levels of the unknown that is clearest, or that the scores name first, with all others held constant: they are
+  /// known better then. Within a limited budget only where those of the first run are not clear.
+  UnknownLevels sharpened(const std::optional<UnknownLevels>& clearest) {
+    if (clearest && (limited_ || unknowns_.size() == 1)) return *clearest;
+    const Index unknown = clearest ? clearest->unknown : hints_.front().unknown;
+    auto levels = levels_by({unknown});
+    if (!levels.empty() && levels.front().fits.best() > 0.0) return std::move(levels.front());
+    return clearest ? *clearest : UnknownLevels{.unknown = unknown};
+  }
+
+  /// The unknown as a random walk, if that is told by the run.
+  std::optional<ParameterJump> drift_of(const UnknownLevels& levels, const EstimationResult& constant) {
+    if (!(levels.fits.walk > 0.0) || levels.levels.value.size() < 2) return std::nullopt;
+    const EstimationResult walking = trials_.walking(levels.unknown, stretch_, levels.fits.walk);
+    if (trials_.stopped()) return std::nullopt;
+    const auto course = smoothed_walk(levels.levels, levels.fits.walk, levels.fits.scatter);
+    Index lowest = 0, highest = 0;
+    course.value.minCoeff(&lowest);
+    course.value.maxCoeff(&highest);
+    const auto [from, to] = std::minmax(lowest, highest);
+    const auto middle_of = [&](Index k) { return levels.levels.end[static_cast<std::size_t>(k)] - stretch_ / 2 - 1; };
+    const auto& transform = augmented_model_.options().unknowns[static_cast<std::size_t>(levels.unknown)].transform;
+    ParameterJump drift{.unknown = levels.unknown, .earliest = middle_of(from), .latest = middle_of(to)};
+    drift.before = transform.to_parameter(course.value[from]);
+    drift.after = transform.to_parameter(course.value[to]);
+    drift.deviation = std::hypot(transform.slope(course.value[from]) * course.deviation[from],
+                                 transform.slope(course.value[to]) * course.deviation[to]);
+    return told(drift, walking, constant);
+  }
+
+  std::optional<ParameterJump> jump_of(const UnknownLevels& levels, bool clear, const EstimationResult& constant) {
+    std::vector<ChangeTrial> trials = first_trials(levels, clear);
+    if (trials.empty()) return std::nullopt;
+    if (limited_) {
+      trials_.follow_onset(trials.front(), stretch_);
+      if (excess_left(contradiction(trials.front().result), contradiction(constant)) > most_left) return std::nullopt;
+    }
+    ChangeTrial best;
+    for (std::size_t i = 0; i < std::min(trials.size(), limited_ ? 1 : most_placed); ++i) {
+      ChangeTrial placed = trials_.placed(std::move(trials[i]), stretch_);
+      if (i == 0 || placed.log_likelihood() > best.log_likelihood()) best = std::move(placed);
+    }
+    if (best.result.failure) return std::nullopt;
+    const auto& [mean, deviation] = best.result.unknowns;
+    const Index last = mean.cols() - 1;
+    ParameterJump jump{.unknown = best.unknown, .sample = best.sample};
+    jump.before = mean(best.unknown, best.sample - 1);
+    jump.after = mean(best.unknown, last);
+    jump.deviation = std::hypot(deviation(best.unknown, best.sample - 1), deviation(best.unknown, last));
+    const double widening = contradiction(best.result).widening;
+    std::tie(jump.earliest, jump.latest) = interval_of_place(trials_.places(best.unknown), best.sample,
+                                                             unlikely * widening * widening, trials_.first(), last);
+    return told(jump, best.result, constant);
+  }
+
+  /// The changes to try, the likeliest first. Within a limited budget one: that of clear levels or, of a run that
+  /// hardly contradicts itself, that of its scores.
+  std::vector<ChangeTrial> first_trials(const UnknownLevels& levels, bool clear) {
+    std::vector<ChangeHint> hints = hints_;
+    const double least = std::max(worth_a_run, near_the_largest * hints.front().statistic);
+    std::erase_if(hints, [&](const ChangeHint& hint) { return hint.statistic < least; });
+    if (clear || levels.fits.step > 0.0) hints.insert(hints.begin(), {levels.unknown, levels.place(), 0.0});
+    hints.resize(std::min(hints.size(), limited_ ? 1 : most_tried));
+    if (by_contrast_) hints.push_back(*by_contrast_);
+    std::vector<ChangeTrial> trials;
+    for (const auto& hint : hints) {
+      ChangeTrial trial = trials_.with_change(hint.unknown, hint.sample);
+      if (trials_.stopped()) break;
+      trials.push_back(std::move(trial));
+    }
+    std::ranges::sort(trials, std::greater{}, &ChangeTrial::log_likelihood);
+    std::vector<ChangeTrial> best;  // of each unknown
+    for (auto& trial : trials)
+      if (std::ranges::find(best, trial.unknown, &ChangeTrial::unknown) == best.end()) best.push_back(std::move(trial));
+    return best;
+  }
+
+  /// The change with its gain, where it is significant and leaves no more than half of the contradiction.
+  [[nodiscard]] std::optional<ParameterJump> told(ParameterJump change, const EstimationResult& with_it,
+                                                  const EstimationResult& constant) const {
+    if (with_it.failure || constant.failure) return std::nullopt;
+    const Contradiction before = contradiction(constant), after = contradiction(with_it);
+    change.gain = 2.0 * (with_it.log_likelihood - constant.log_likelihood) / (after.widening * after.widening);
+    const double left = excess_left(after, before);
+    change.explains = !after.any || left < little_left;
+    const bool most_is_explained = change.explains || left < most_left;
+    const bool changes = std::abs(change.after - change.before) > band * change.deviation;
+    return change.gain > significant && changes && most_is_explained ? std::optional(change) : std::nullopt;
+  }
+
+  const AugmentedModel& augmented_model_;
+  const FilterInput& input_;
+  const EstimationResult& result_;
+  const std::vector<Index>& unknowns_;
+  std::vector<ChangeHint> hints_;
+  std::optional<ChangeHint> by_contrast_ = {};  ///< another unknown, whose estimates show two levels most clearly
+  bool limited_;
+  Index stretch_;
+  ChangeTrials trials_;
+};
 
 }  // namespace
 
 JumpSearchResult find_parameter_jump(const AugmentedModel& augmented_model, const FilterInput& input,
                                      EstimationOptions options, const EstimationResult& result, Index first,
                                      double steps, StepBudget& budget) {
-  const auto& history = result.unknowns_history;
-  if (result.failure || history.empty()) return {};
-  const std::vector<Hint> of_scores = hints_of(history, first);
-  if (of_scores.front().statistic < worth_a_run) return {};
-  const bool limited = budget.is_limited();
-  const auto excess_of = [&](const EstimationResult& of) { return contradiction_of(input, of, first).excess; };
-  JumpSearch search(augmented_model, input, std::move(options), first, steps, budget);
-  const Index samples = input.measured.samples(), stretch = std::max<Index>(1, samples / stretches);
-  const auto of_stretches =
-      hint_of_stretches(search.forgetting(history.unknowns, stretch), history.unknowns, stretch, first);
-  const auto hints = hints_to_try(of_scores, of_stretches, limited, excess_of(result));
-  if (hints.empty()) return {.stopped = search.stopped()};
-  const EstimationResult constant = search.without_change();
-  std::vector<Trial> trials = trials_of(hints, history.unknowns, search);
-  if (trials.empty()) return {.stopped = true};
-  if (limited && excess_of(trials.front().result) > most_left * excess_of(constant)) return {};
-  const Trial best = placed(std::move(trials), samples, limited, search);
-  if (best.result.failure || constant.failure) return {};
-  const Contradiction before = contradiction_of(input, constant, first),
-                      after = contradiction_of(input, best.result, first);
-  ParameterJump jump = jump_of(best);
-  jump.gain = 2.0 * (best.log_likelihood() - constant.log_likelihood) / (after.widening * after.widening);
-  jump.explains = !after.any;
-  search.set_interval(best.log_likelihood(), after.widening, jump);
-  const bool most_is_explained = jump.explains || after.excess < most_left * before.excess;
-  const bool told = jump.gain > significant && std::abs(jump.after - jump.before) > band * jump.deviation;
-  if (told && most_is_explained) return {.jump = jump};
-  return {.stopped = search.stopped()};
+  if (result.failure || result.unknowns_history.empty()) return {};
+  return ChangeSearch(augmented_model, input, options, result, first, steps, budget).run();
 }
 
 }  // namespace kalfem

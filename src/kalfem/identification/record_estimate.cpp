@@ -124,6 +124,7 @@ RecordEstimate estimate_record_thoroughly(const EstimationProblemPtr& problem, A
   estimate.second_thoughts = allowed > 0.0 ? SecondThoughts::pending : SecondThoughts::none;
   if (options.on_first_answer) options.on_first_answer(estimate);
   estimation.repeat_from_estimates(budget);
+  if (budget.is_limited() && estimation.shows_a_change()) estimation.look_for_jump(budget);
   estimation.settle_substeps(budget);
   renew_bases(problem, setup, record, options, budget, estimation);
   estimation.look_for_jump(budget);

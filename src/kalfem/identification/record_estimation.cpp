@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include <fmt/format.h>
-
+#include "kalfem/identification/change_hints.hpp"
 #include "kalfem/identification/open_loop.hpp"
+#include "kalfem/identification/parameter_drift.hpp"
 #include "kalfem/identification/refined_filter.hpp"
 #include "kalfem/identification/robust_deviations.hpp"
 #include "kalfem/identification/settling.hpp"
@@ -21,6 +21,8 @@ namespace {
 
 /// Of a sample interval in the search for a jump: what finer steps add is smaller than the jumps that are told.
 constexpr int most_jump_substeps = 8, limited_jump_substeps = 2;
+/// Statistic of the scores: a step that is too coarse biases estimates alike throughout a record.
+constexpr double change_beyond_steps = 100.0;
 /// Mean NIS over what is expected: a run that contradicts itself, and by how much rest must be better.
 constexpr double contradicting_nis = 2.0, far_less = 0.5;
 
@@ -82,22 +84,6 @@ double relative_nis(const FilteredRecord& filtered) {
 bool was_misled_at_first(const RecordEstimate& estimate) {
   return !estimate.result.failure && contradicts_itself(estimate) &&
          !innovations_contradict(estimate, std::max(estimate.settled, estimate.measurements.samples() / 2));
-}
-
-/// A change of an unknown as an event of the record.
-SensorEvent event_of(const RecordEstimate& estimate, const ParameterJump& jump) {
-  const auto& unknown = estimate.augmented_model->options().unknowns[static_cast<std::size_t>(jump.unknown)];
-  const double time = estimate.measurements.time(jump.sample);
-  return {.kind = EventKind::jump,
-          .channel = unknown.name,
-          .from = time,
-          .to = time,
-          .count = estimate.measurements.samples() - jump.sample,
-          .text = fmt::format(
-              "'{}' changes at {:.6g} s (between {:.4g} and {:.4g} s) from {:.6g} to {:.6g} {} (by {:.3g}, standard "
-              "deviation {:.2g})",
-              unknown.name, time, estimate.measurements.time(jump.earliest), estimate.measurements.time(jump.latest),
-              jump.before, jump.after, unknown.unit, jump.after - jump.before, jump.deviation)};
 }
 
 EstimationOptions filter_options(const EstimationProblem& problem, const AugmentedModelSetup& setup,
@@ -248,14 +234,21 @@ FilterRun RecordEstimation::coarse_run(int substeps) const {
   return make_filter_run(problem_, setup, screening_->record());
 }
 
+bool RecordEstimation::shows_a_change() const {
+  const auto hints = change_hints(estimate_.result.unknowns_history, estimate_.settled);
+  return !estimate_.result.failure && !hints.empty() && hints.front().statistic > change_beyond_steps;
+}
+
 void RecordEstimation::look_for_jump(StepBudget& budget) {
-  // Where the step is too coarse, the estimates are those of the step, not of the record.
-  if (!problem_->settings.diagnose || estimate_.substeps.limited) return;
+  if (!problem_->settings.diagnose || looked_for_change_) return;
+  // Where the step is too coarse, the estimates are those of the step, not of the record, unless they change along it.
+  if (estimate_.substeps.limited && !shows_a_change()) return;
   const bool limited = budget.is_limited();
   const int substeps = std::min(limited ? limited_jump_substeps : most_jump_substeps, estimate_.substeps.substeps);
   const std::optional<FilterRun> coarse =
       estimate_.substeps.substeps > substeps ? std::optional(coarse_run(substeps)) : std::nullopt;
   const FilterRun& run = coarse ? *coarse : *run_;
+  looked_for_change_ = true;
   EstimationOptions options = screening_->options();
   options.filter = run.choice.filter;
   const auto search = find_parameter_jump(*run.choice.augmented_model, run.input, options, estimate_.result,
@@ -263,7 +256,14 @@ void RecordEstimation::look_for_jump(StepBudget& budget) {
   if (search.stopped) estimate_.leave_out("a change of an unknown within the record");
   if (!search.jump) return;
   estimate_.jump = search.jump;
-  estimate_.events.push_back(event_of(estimate_, *search.jump));
+  add_event_of_change();
+}
+
+void RecordEstimation::add_event_of_change() {
+  const auto& unknowns = estimate_.augmented_model->options().unknowns;
+  const auto& change = *estimate_.jump;
+  estimate_.events.push_back(
+      event_of(change, unknowns[static_cast<std::size_t>(change.unknown)], estimate_.measurements));
 }
 
 void RecordEstimation::study_process_noise(StepBudget& budget) {
@@ -314,8 +314,10 @@ void RecordEstimation::evaluate(FilteredRecord filtered, SubstepChoice substeps)
   estimate.second_thoughts = estimate_.second_thoughts;
   estimate.left_out = std::move(estimate_.left_out);
   estimate.reductions = estimate_.reductions;
+  estimate.jump = estimate_.jump;
   run_ = std::move(filtered.run);
   estimate_ = std::move(estimate);
+  if (estimate_.jump) add_event_of_change();
 }
 
 }  // namespace kalfem

@@ -16,7 +16,8 @@ namespace kalfem {
 /// 2. repeat_from_estimates(): a run that contradicts itself once more from its own estimates, as a filter that
 ///    linearises about a first guess far off learns wrongly from the first samples, and never forgets.
 /// 3. settle_substeps(): as many more substeps as that bias asks for.
-/// 4. look_for_jump(): an unknown that is not constant.
+/// 4. look_for_jump(): an unknown that is not constant. Within a limited budget it comes before more substeps where the
+///    estimates change along the record: these substeps would settle a compromise.
 ///
 /// Each search behind the answer ends before a run that the budget does not allow, and is then among what was left out.
 class RecordEstimation {
@@ -28,6 +29,8 @@ public:
   void repeat_from_estimates(StepBudget& budget);
   void settle_substeps(StepBudget& budget);
   void look_for_jump(StepBudget& budget);
+  /// Whether the estimates change along the record by more than what substeps leave in them.
+  [[nodiscard]] bool shows_a_change() const;
   void study_process_noise(StepBudget& budget);
 
   [[nodiscard]] RecordEstimate& estimate() { return estimate_; }
@@ -39,6 +42,7 @@ private:
   void try_rest(FilteredRecord& filtered, int substeps);
   void pass_twice(bool with_start);
   void evaluate(FilteredRecord filtered, SubstepChoice substeps);
+  void add_event_of_change();
   [[nodiscard]] FilterRun coarse_run(int substeps) const;
 
   EstimationProblemPtr problem_;  ///< with gains, delays and noise at their likeliest, once these are found
@@ -49,6 +53,7 @@ private:
   std::optional<Screening> screening_;
   std::optional<FilterRun> run_;  ///< of the estimate
   double other_steps_ = 0.0;      ///< beside those of the screening
+  bool looked_for_change_ = false;
   RecordEstimate estimate_;
 };
 

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "kalfem/identification/settling.hpp"
+#include "kalfem/records/isolated_values.hpp"
 
 namespace kalfem {
 
@@ -13,6 +15,34 @@ using Eigen::Index;
 namespace {
 
 constexpr int most_runs = 5;
+constexpr double most_spikes = 1e-3;    ///< of a channel's samples, beside one: more are a motion of its kind
+constexpr double most_outliers = 2e-3;  ///< of the samples in a robust run: more are of a wrong model
+constexpr double contradicting = 1.2;   ///< mean NIS over its degrees of freedom
+constexpr double far_less = 0.7;        ///< of what exceeds one
+constexpr double gate = 25.0;
+
+/// Mean NIS over its degrees of freedom, in which a sample counts no more than `most`.
+double relative_nis(const EstimationResult& result, double most = std::numeric_limits<double>::infinity()) {
+  if (result.failure) return std::numeric_limits<double>::infinity();
+  double sum = 0.0, expected = 0.0;
+  for (Index k = 0; k < result.nis.size(); ++k) {
+    if (!std::isfinite(result.nis[k]) || result.measured[k] == 0) continue;
+    sum += std::min(result.nis[k], most * result.measured[k]);
+    expected += result.measured[k];
+  }
+  return sum / std::max(1.0, expected);
+}
+
+/// Whether a channel holds a few values that are far from their neighbours.
+bool holds_spikes(const Record& record) {
+  const Eigen::MatrixXd kept = without_isolated_values(record.values);
+  for (Index i = 0; i < kept.rows(); ++i) {
+    const Index spikes = (record.values.row(i).array().isFinite() && !kept.row(i).array().isFinite()).count();
+    if (spikes > 0 && static_cast<double>(spikes) <= std::max(1.0, most_spikes * static_cast<double>(kept.cols())))
+      return true;
+  }
+  return false;
+}
 
 }  // namespace
 
@@ -34,11 +64,30 @@ FilteredRecord Screening::run(int substeps) {
     options_.outliers.treatment = OutlierTreatment::robust;
     filtered = run_once(substeps);
   }
+  if (!problem_->settings.outliers && options_.outliers.treatment == OutlierTreatment::keep)
+    count_spikes_little(filtered, substeps);
   for (int runs = 1; searches && runs < most_runs && changes(filtered); ++runs) {
     state_noise(filtered.result);
     filtered = run_once(substeps);
   }
   return filtered;
+}
+
+/// A large spike throws a run away, whose innovations then stay large long behind it: they do not show a single sample
+/// far from predictions that otherwise hold, as shows_outliers() asks for. The record does. The robust run stays where
+/// it contradicts itself far less.
+void Screening::count_spikes_little(FilteredRecord& filtered, int substeps) {
+  if (!(relative_nis(filtered.result) > contradicting) || spikes_tried_ || !holds_spikes(measured_)) return;
+  spikes_tried_ = true;
+  options_.outliers.treatment = OutlierTreatment::robust;
+  FilteredRecord robust = run_once(substeps);
+  // Judged by the other samples: the spike itself lies as far from its prediction as before.
+  const auto few = most_outliers * static_cast<double>(measured_.samples());
+  const bool of_spikes = static_cast<double>(robust.result.set_aside.size()) <= std::max(5.0, few);
+  if (of_spikes && relative_nis(robust.result, gate) - 1.0 < far_less * (relative_nis(filtered.result, gate) - 1.0))
+    filtered = std::move(robust);
+  else
+    options_.outliers.treatment = OutlierTreatment::keep;
 }
 
 FilteredRecord Screening::run_once(int substeps) {

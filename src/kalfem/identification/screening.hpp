@@ -12,8 +12,7 @@ namespace kalfem {
 /// 1. Stretches of a constant value are held out. Where their prediction agrees with them, they come back.
 /// 2. Silent and saturated sensors are found by comparing the channels with their predictions, and held out.
 /// 3. With `outliers: auto`, a run in which single samples lie far from predictions that otherwise hold is repeated
-/// with
-///    robust updates.
+///    with robust updates; so is one that contradicts itself where the record holds spikes, if that is far better.
 /// Each of these is a further run. `OutlierTreatment::keep` searches for nothing but missing samples. Noise that is
 /// stated relative to a channel's rms is that of the samples in use.
 class Screening {
@@ -43,6 +42,7 @@ public:
 
 private:
   FilteredRecord run_once(int substeps);
+  void count_spikes_little(FilteredRecord& filtered, int substeps);
   bool changes(const FilteredRecord& filtered);
   [[nodiscard]] bool is_confirmed(const HeldOutSamples& stretch) const;
   bool hold_out(const std::vector<HeldOutSamples>& found);
@@ -55,6 +55,7 @@ private:
   EstimationOptions options_;
   std::vector<HeldOutSamples> confirmed_;
   double steps_ = 0.0;
+  bool spikes_tried_ = false;  ///< a robust run because of the record's spikes
 };
 
 }  // namespace kalfem
