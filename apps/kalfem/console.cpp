@@ -20,6 +20,7 @@
 
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/text.hpp"
+#include "kalfem/steps/compared.hpp"
 
 namespace kalfem::command {
 namespace {
@@ -126,9 +127,9 @@ void print_report(std::string_view text) {
   print_safe(draws_in_colour() ? with_bold_heads(safe) : safe);
 }
 
-void print_verdict(VerdictState state) {
-  const std::string line = "Verdict: " + to_string(state);
-  print_safe((draws_in_colour() ? in_style(colour_of(state), line) : line) + "\n");
+void print_verdict(std::optional<VerdictState> state) {
+  const std::string line = "Verdict: " + (state ? to_string(*state) : std::string("none, ") + nothing_compared);
+  print_safe((state && draws_in_colour() ? in_style(colour_of(*state), line) : line) + "\n");
 }
 
 namespace {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <fmt/format.h>
+#include <optional>
 
 #include <string_view>
 
@@ -38,7 +39,7 @@ void print_error(fmt::format_string<Values...> format, Values&&... values) {
 /// A report with tables to stdout; on a terminal the heads of the tables are bold. NO_COLOR switches all styles off.
 void print_report(std::string_view text);
 /// "Verdict: consistent", on a terminal in the colour of the state.
-void print_verdict(VerdictState state);
+void print_verdict(std::optional<VerdictState> state);
 
 /// Throws WriteFailure where stdout did not take the text up to here.
 void require_output();

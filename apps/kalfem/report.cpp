@@ -13,7 +13,7 @@ ExitCode report(const std::string& folder, bool as_json) {
     print_text(run.summary);
   else
     print_report(console_report(run));
-  if (!as_json) print_verdict(run.verdict);
+  if (!as_json) print_verdict(run.compared ? std::optional(run.verdict) : std::nullopt);
   if (!run.usable) print_error("the numbers are not usable: {}\n", run.message);
   for (const auto& warning : run.warnings) print_error("warning: {}\n", warning);
   return run.usable ? done : not_usable;

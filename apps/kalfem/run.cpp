@@ -7,6 +7,7 @@
 #include "kalfem/base/output_folder.hpp"
 #include "kalfem/report/console_report.hpp"
 #include "kalfem/report/result_set.hpp"
+#include "kalfem/steps/compared.hpp"
 #include "kalfem/steps/estimation/report.hpp"
 #include "kalfem/steps/simulation/outcome.hpp"
 #include "kalfem/steps/table.hpp"
@@ -121,7 +122,7 @@ public:
     if (arguments_.told == Told::json)
       print_text(set.summary);
     else
-      print_verdict(results_.verdict.state());
+      print_verdict(has_verdict(results_) ? std::optional(results_.verdict.state()) : std::nullopt);
     print_reasons(results_);
     require_output();
     if (results_.interrupted) {

@@ -3,6 +3,7 @@
 
 #include "base/scratch_folder.hpp"
 #include "diagnosis/case_family.hpp"
+#include "kalfem/diagnosis/candidates.hpp"
 #include "kalfem/diagnosis/left_out_predictions.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
 #include "kalfem/steps/run_study.hpp"
@@ -44,6 +45,22 @@ TEST_F(Diagnoses, AreNotMadeWhereNothingIsWrong) {
   const auto results = run(clean);
   EXPECT_EQ(results.verdict.state(), VerdictState::consistent) << first_reason(results);
   EXPECT_FALSE(results.get<EstimationOutcome>().diagnosis);
+}
+
+/// A parameter that an updating found from the record is not one that the case holds fixed.
+TEST_F(Diagnoses, DoNotCallAnUpdatedParameterFixed) {
+  const ScratchFolder folder("diagnosis-updated");
+  const Study study = load_study(write_case(family, clean, {}, folder).string());
+  DiagnosisInput input{.problem = study.problem, .parts = study.structure->parts, .record = {}};
+  const std::string updated = "wheel.k_w.stiffness";
+  const auto blames_it = [&] {
+    return std::ranges::any_of(model_hypotheses(input, {}), [&](const Hypothesis& each) {
+      return each.code == "fixed_parameter" && each.subject.find(updated) != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(blames_it());
+  input.updated = {updated};
+  EXPECT_FALSE(blames_it());
 }
 
 TEST_F(Diagnoses, NameASensorOfTheWrongSign) {

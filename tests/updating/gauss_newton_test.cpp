@@ -283,6 +283,41 @@ TEST(GaussNewton, EndsWithItsBudget) {
   EXPECT_EQ(search.finished(), Termination::budget);
 }
 
+/// |theta - 3|^2 in units of its noise, rough by 1e-5 of them: derivatives lead nowhere once that is all that is left.
+FunctionResidual rough() {
+  return {2, [](const VectorXd& theta) {
+            const double roughness = theta[0] == 2.95 ? 0.0 : 2e-3;
+            return ResidualValue{vector({theta[0] - 3.0, 1.0 + roughness}), vector({1.0, 0.0})};
+          }};
+}
+
+TEST(GaussNewton, ConvergesWhereItStallsATenthOfADeviationFromTheMinimum) {
+  GaussNewton noisy(free_parameters(vector({2.95})), {.cost_floor = 1e-6}), plain(free_parameters(vector({2.95})), {});
+  run(noisy, rough());
+  run(plain, rough());
+  EXPECT_EQ(noisy.finished(), Termination::converged_cost);  // the next step promises 0.05^2
+  EXPECT_EQ(noisy.state().parameters[0], 2.95);
+  EXPECT_LE(noisy.state().evaluations, 3);
+  EXPECT_EQ(plain.finished(), Termination::no_progress);  // its units are not those of noise
+}
+
+TEST(GaussNewton, HasNotConvergedWhereItStallsFartherAway) {
+  const FunctionResidual far(2, [](const VectorXd& theta) {
+    return ResidualValue{vector({theta[0] - 3.0, theta[0] == 2.8 ? 1.0 : 2.0}), vector({1.0, 0.0})};
+  });
+  GaussNewton search(free_parameters(vector({2.8})), {.cost_floor = 1e-6});
+  run(search, far);
+  EXPECT_EQ(search.finished(), Termination::no_progress);  // the next step promises 0.2^2
+}
+
+TEST(GaussNewton, ConvergesWithItsBudgetUsedUpCloseToTheMinimum) {
+  for (const auto& [start, end] : {std::pair(2.95, Termination::converged_cost), {2.8, Termination::budget}}) {
+    GaussNewton search(free_parameters(vector({start})), {.max_evaluations = 1, .cost_floor = 1e-6});
+    run(search, linear_residual(MatrixXd::Ones(1, 1), vector({3.0})));
+    EXPECT_EQ(search.finished(), end) << start;
+  }
+}
+
 TEST(GaussNewton, ReportsAllParametersThatItCannotBeginWith) {
   auto parameters = free_parameters(vector({1.0, 2.0, 3.0, 4.0}));
   parameters[0].lower = 2.0;

@@ -84,6 +84,34 @@ TEST(ParameterStatistics, DeviationsOfCertifiedRegressions) {
   }
 }
 
+// Two values, three parameters with priors: kappa is that of the formula although less than one degree of freedom is
+// left. (I - J H^-1 J^T) is the inverse of the covariance of the values, so |r|^2 has the mean N - trace(J^T J H^-1).
+TEST(ParameterStatistics, AFewValuesBesidePriorsWidenAsManyDo) {
+  MatrixXd matrix(2, 3);
+  matrix << 30.0, 12.0, -7.0, 9.0, -20.0, 4.0;
+  auto parameters = free_parameters(vector({1.0, 2.0, 0.5}));
+  for (auto& each : parameters) each.deviation = 0.05 * each.initial;
+  const VectorXd residual = vector({0.9, -1.3});
+  const auto found = parameter_statistics(parameters, initial_values(parameters), {residual, matrix});
+  const MatrixXd prior = vector({400.0, 100.0, 1600.0}).asDiagonal(), told = matrix.transpose() * matrix,
+                 inverse = (told + prior).inverse();
+  const double freedom = 2.0 - (told * inverse).trace(), kappa = residual.squaredNorm() / freedom;
+  ASSERT_LT(freedom, 1.0);
+  ASSERT_GT(kappa, 2.0);
+  const VectorXd expected = (inverse * (kappa * told + prior) * inverse).diagonal().cwiseSqrt();
+  EXPECT_NEAR(found.variance_inflation, kappa, 1e-12 * kappa);
+  EXPECT_LT((found.deviations - expected).cwiseQuotient(expected).norm(), 1e-12);
+}
+
+/// With as many values as parameters and no prior nothing is left to judge the noise by.
+TEST(ParameterStatistics, NothingIsWidenedWithoutAnyFreedom) {
+  const auto parameters = free_parameters(vector({1.0, 2.0}));
+  const MatrixXd matrix = MatrixXd::Identity(2, 2) * 30.0;
+  EXPECT_EQ(
+      parameter_statistics(parameters, initial_values(parameters), {vector({1e-4, 1e-4}), matrix}).variance_inflation,
+      1.0);
+}
+
 /// Shares of 600 runs in which the truth lies within 1.96 deviations of the estimate. The truth of a parameter with a
 /// prior is drawn from it; the noise is `noise` times as large as stated.
 VectorXd coverage(const VectorXd& prior, double noise) {

@@ -30,6 +30,26 @@ bool has(const UpdatingRecord& record, const std::string& code, VerdictState sta
 
 TEST(UpdatingChecks, NothingSpeaksAgainstASoundOne) { EXPECT_TRUE(updating_reasons(sound()).empty()); }
 
+std::string remedy_of(const UpdatingRecord& record, const std::string& code) {
+  for (const auto& each : updating_reasons(record))
+    if (each.code == code) return each.remedy;
+  return "";
+}
+
+TEST(UpdatingChecks, APriorIsAdvisedOnlyWhereNoneIsStated) {
+  auto record = sound();
+  record.parameters.push_back({.name = "frame.m", .prior_deviation = 1.0});
+  record.not_told_apart = {{"frame.k", "frame.m"}};
+  record.not_identified = {"frame.m"};
+  for (const std::string code : {"correlated", "not_identified"}) {
+    EXPECT_FALSE(remedy_of(record, code).empty());
+    EXPECT_EQ(remedy_of(record, code).find("prior"), std::string::npos) << remedy_of(record, code);
+  }
+  record.parameters[1].prior_deviation.reset();
+  EXPECT_NE(remedy_of(record, "correlated").find("give 'frame.m' a prior"), std::string::npos);
+  EXPECT_NE(remedy_of(record, "not_identified").find("give it a prior"), std::string::npos);
+}
+
 TEST(UpdatingChecks, ALargeResidualIsSuspiciousAndAVeryLargeOneUnusable) {
   auto record = sound();
   record.comparisons[1].rms = 1.6;

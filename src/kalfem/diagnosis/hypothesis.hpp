@@ -18,8 +18,9 @@ struct DiagnosisInput {
   StructureParts parts;
   Record record;
   EstimationOptions options = {};
-  Eigen::VectorXd nis = {};              ///< of the run that is to be explained, up to where it stopped
-  double steps = StepBudget::unlimited;  ///< filter steps that all trials together may take
+  Eigen::VectorXd nis = {};               ///< of the run that is to be explained, up to where it stopped
+  double steps = StepBudget::unlimited;   ///< filter steps that all trials together may take
+  std::vector<std::string> updated = {};  ///< parameters that an updating found: they are not held fixed
 
   /// The filter's run over the record for this problem or a changed one.
   [[nodiscard]] FilterRun run_of(const EstimationProblemPtr& changed, const StructureParts& changed_parts) const;

@@ -57,7 +57,8 @@ Eigen::VectorXd computed_nis(const EstimationResult& result) {
 }  // namespace
 
 std::optional<Diagnosis> look_for_cause(const EstimationProblem& problem, const StructureParts& parts,
-                                        const Record& record, RecordEstimate& estimate) {
+                                        const Record& record, RecordEstimate& estimate,
+                                        const std::vector<std::string>& updated) {
   if (!problem.settings.diagnose) return std::nullopt;
   // An unknown input makes up for most mistakes, and its assumed process for others: trials could not tell them apart.
   if (!problem.settings.unknown_inputs.empty()) return std::nullopt;
@@ -73,7 +74,8 @@ std::optional<Diagnosis> look_for_cause(const EstimationProblem& problem, const 
          .record = without(likelihood ? likelihood->corrected.record : record, estimate.events),
          .options = {.unscented = problem.settings.unscented, .adaptive_noise = problem.settings.adaptive_noise},
          .nis = computed_nis(estimate.result),
-         .steps = estimate.steps_left});
+         .steps = estimate.steps_left,
+         .updated = updated});
   }
   if (!diagnosis)
     estimate.leave_out("the mistake behind the contradiction");

@@ -40,10 +40,10 @@ double present_value(const StructureParts& parts, const Parameter& parameter) {
   return lumped && found != parts.substructures.end() ? value_of(*found, *lumped) : parameter.value;
 }
 
-/// Parameters that the filter holds fixed at a value other than zero.
+/// Parameters that neither the filter nor an updating found, at a value other than zero.
 std::vector<Parameter> fixed_parameters(const DiagnosisInput& input) {
   const EstimationProblem& problem = *input.problem;
-  std::set<std::string> estimated;
+  std::set<std::string> estimated(input.updated.begin(), input.updated.end());
   for (const auto& unknown : problem.settings.unknowns)
     for (const auto& target : unknown.targets) estimated.insert(target.name);
   const ParameterSet all(*problem.structure);

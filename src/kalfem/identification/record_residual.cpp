@@ -8,6 +8,7 @@
 #include <numeric>
 #include <sstream>
 
+#include "kalfem/identification/finer_motion.hpp"
 #include "kalfem/identification/refined_filter.hpp"
 #include "kalfem/identification/settling.hpp"
 #include "kalfem/linalg/sparse_operations.hpp"
@@ -20,6 +21,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
+
+constexpr Index motion_parts = 8;  ///< of a sample interval, between which the boundary's motion is taken as straight
 
 /// Displacement, velocity and acceleration of each point, in the coordinates of the system: relative to an accelerated
 /// base.
@@ -260,15 +263,17 @@ MatrixXd RecordResidual::predict_from(const Estimate& estimate) const {
   for (const auto& sensor : sensors_) outputs.push_back(sensor.output);
   const OutputMap map = make_outputs(*estimate.model, outputs);
   const auto& drive = *estimate.drive;
-  const auto motion = drive.predict(rows_of(map, drive.place()), estimate.motion, estimate.start,
-                                    {.sample_rate = problem_->sample_rate, .newmark_substeps = 1});
+  const auto motion =
+      drive.predict(rows_of(map, drive.place()), finer_motion(estimate.motion, motion_parts), estimate.start,
+                    {.sample_rate = problem_->sample_rate * static_cast<double>(motion_parts), .newmark_substeps = 1});
   const Index samples = estimate.motion.acceleration.cols();
+  const auto at_samples = Eigen::seqN(Index{0}, samples, motion_parts);
   const MatrixXd direct = direct_part(*problem_, map, estimate.start.time, samples);
   MatrixXd sensors = MatrixXd::Zero(measured_.rows(), measured_.cols());
   for (std::size_t j = 0; j < sensors_.size(); ++j) {
     const auto column = static_cast<Index>(j);
     const VectorXd predicted =
-        quantity_of(motion, sensors_[j].output.quantity).row(column).transpose() + direct.col(column);
+        quantity_of(motion, sensors_[j].output.quantity)(column, at_samples).transpose() + direct.col(column);
     sensors.col(column).tail(samples) = sensors_[j].chain.filter(predicted, problem_->sample_rate);
   }
   return sensors;

@@ -125,8 +125,8 @@ std::vector<std::string> reduction_warnings(const ReductionErrorIndicators& erro
   std::vector<std::string> warnings;
   const double left_out = error_indicators.next_left_out;
   if (left_out > 0.0 && left_out < excitation_band)
-    warnings.push_back("the first mode left out, at " + hertz(left_out) + ", is inside the band of the excitation, " +
-                       hertz(excitation_band) +
+    warnings.push_back("the first mode left out, at " + hertz(left_out) + ", is inside the band of the excitation" +
+                       (std::isfinite(excitation_band) ? ", " + hertz(excitation_band) : "") +
                        ": the excitation causes motion that the reduced model cannot represent");
   if (left_out > 0.0 && std::isfinite(sensor_bandwidth) && left_out < 3.0 * sensor_bandwidth)
     warnings.push_back("the kept modes end below " + hertz(left_out) + ", less than three times the sensors' " +

@@ -6,6 +6,7 @@
 
 #include <array>
 
+#include "kalfem/steps/compared.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
 #include "kalfem/steps/simulation/outcome.hpp"
 #include "kalfem/steps/table.hpp"
@@ -45,6 +46,7 @@ std::string answer(const Study& study, const StudyResults& results) {
   };
   for (const auto* step : steps_that_ran(results, answer_order))
     if (step->answer && say(step->answer(study, results)) && step->name != "update") break;
+  if (!has_verdict(results)) say("Nothing was compared with measurements.");
   if (const auto reasons = results.verdict.reasons(); !reasons.empty()) say(doubts_in_words(reasons));
   say(next_step(results));
   return fmt::format("{}", fmt::join(sentences, " "));

@@ -12,6 +12,7 @@
 #include "kalfem/report/console_report.hpp"
 #include "kalfem/report/data_files.hpp"
 #include "kalfem/report/result_set.hpp"
+#include "kalfem/steps/compared.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
 #include "kalfem/steps/table.hpp"
 
@@ -61,12 +62,13 @@ Json timing_summary(const Study& study, const StudyResults& results) {
   return timing;
 }
 
-Json verdict_summary(const Verdict& verdict) {
+/// Without a state where nothing was compared.
+Json verdict_summary(const StudyResults& results) {
   Json reasons = Json::array();
-  for (const auto& reason : verdict.reasons())
+  for (const auto& reason : results.verdict.reasons())
     reasons.push_back(
         {{"code", reason.code}, {"subject", reason.subject}, {"text", reason.text}, {"remedy", reason.remedy}});
-  return {{"state", to_string(verdict.state())}, {"reasons", reasons}};
+  return {{"state", has_verdict(results) ? Json(to_string(results.verdict.state())) : Json()}, {"reasons", reasons}};
 }
 
 /// Null where nothing was estimated.
@@ -107,7 +109,7 @@ Json summarise(const Study& study, const StudyResults& results) {
                   {"status", results.usable() ? "ok" : "unusable"},
                   {"message", results.why_unusable()},
                   {"second_thoughts", second_thoughts_summary(results)},
-                  {"verdict", verdict_summary(results.verdict)}};
+                  {"verdict", verdict_summary(results)}};
   add_steps(study, results, summary);
   if (results.identified)
     summary["identified"] = {{"file", "case.identified.yaml"}, {"notes", results.identified->notes}};

@@ -20,6 +20,9 @@ constexpr double least_ratio = 1e-4;     // of true to promised reduction, for a
 constexpr double cost_rounding = 1e-13;  // a smaller relative reduction cannot be told from rounding
 constexpr double poor_ratio = 0.25, good_ratio = 0.75;
 constexpr double shrinking = 0.25, growth = 2.0;  // of the trust region
+/// Of a sum of squares in units of the noise: a tenth of a standard deviation from the minimum.
+constexpr double negligible_reduction = 1e-2;
+constexpr int enough_refusals = 2;  // in a row, of steps that promise no more than that
 
 template <class Get>
 VectorXd collected(const std::vector<UpdatingParameter>& parameters, Get get) {
@@ -277,12 +280,20 @@ std::optional<Termination> GaussNewton::judge_point() const {
   return std::nullopt;
 }
 
+// A residual in units of the noise (`cost_floor` > 0) may be rough at a scale far below the noise: that of a filter
+// pass is, as its derivatives are differences. Where no progress is made any more, the search has converged if the next
+// Gauss-Newton step would lower |r|^2 by less than `negligible_reduction`: the end is then as good as the minimum.
 std::optional<Termination> GaussNewton::finished() const {
   if (state_.known == Known::no_response) return Termination::no_response;
   if (state_.known == Known::no_derivatives) return Termination::no_derivatives;
-  if (state_.known == Known::derivatives)
-    if (const auto verdict = judge_point()) return verdict;
-  if (state_.evaluations >= options_.max_evaluations) return Termination::budget;
+  const bool has_derivatives = state_.known == Known::derivatives;
+  const bool negligible = has_derivatives && options_.cost_floor > 0.0 && 2.0 * whole_.reduction < negligible_reduction;
+  if (has_derivatives)
+    if (const auto verdict = judge_point())
+      return verdict == Termination::no_progress && negligible ? Termination::converged_cost : verdict;
+  if (negligible && state_.refused >= enough_refusals) return Termination::converged_cost;
+  if (state_.evaluations >= options_.max_evaluations)
+    return negligible ? Termination::converged_cost : Termination::budget;
   return std::nullopt;
 }
 

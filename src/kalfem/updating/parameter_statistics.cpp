@@ -17,8 +17,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double zero_column = 1e-14;        // of the longest: rounding
-constexpr double part_in_null = 1e-3;        // a parameter with a smaller part in a null direction is determined
+constexpr double zero_column = 1e-14;  // of the longest: rounding
+constexpr double part_in_null = 1e-3;  // a parameter with a smaller part in a null direction is determined
+/// |r|^2 has the mean N - trace(J^T J H^-1), however small; where less is left than this, r is what the search leaves.
+constexpr double least_freedom = 1e-3;
 constexpr double part_unidentifiable = 0.1;  // of the greatest change: a smaller one is not worth a word
 
 // Statistics of the estimate from the linearised problem at the minimum [SW89], in parts of the parameters' scales:
@@ -229,7 +231,8 @@ ParameterStatistics parameter_statistics(const std::vector<UpdatingParameter>& p
   statistics.degrees_of_freedom = static_cast<double>(value.values.size()) - inverse.effective_parameters;
   if (statistics.degrees_of_freedom >= 1.0)
     statistics.reduced_chi_squared = value.values.squaredNorm() / statistics.degrees_of_freedom;
-  statistics.variance_inflation = std::max(1.0, statistics.reduced_chi_squared.value_or(1.0));
+  if (statistics.degrees_of_freedom >= least_freedom)
+    statistics.variance_inflation = std::max(1.0, value.values.squaredNorm() / statistics.degrees_of_freedom);
 
   const MatrixXd told = problem.factor * inverse.matrix;
   fill_covariance(statistics, problem, inverse.matrix + (statistics.variance_inflation - 1.0) * told.transpose() * told,
@@ -276,10 +279,18 @@ std::string unidentifiable_in_words(const UnidentifiableCombination& combination
     names.push_back(parameter.name);
     changes.push_back(change_in_words(parameter, shown * combination.changes[k]));
   }
-  return fmt::format(
-      "{} cannot be identified separately: changing {} together hardly changes the residual; fix one of them, give it "
-      "a narrow prior, or add measurements that separate them",
-      listed(names), listed(changes));
+  std::vector<std::string> without_prior;
+  for (const Index i : combination.parameters)
+    if (!std::isfinite(at(parameters, i).deviation)) without_prior.push_back(at(parameters, i).name);
+  const std::string told_apart_by =
+      without_prior.empty()
+          ? "their priors decide how it is shared: fix one of them or add measurements that separate them"
+          : fmt::format(
+                "fix one of them, state a prior of {} (std), or add measurements that separate "
+                "them",
+                listed(without_prior));
+  return fmt::format("{} cannot be identified separately: changing {} together hardly changes the residual; {}",
+                     listed(names), listed(changes), told_apart_by);
 }
 
 bool is_unidentifiable(const ParameterStatistics& statistics, Index i) {
@@ -295,6 +306,8 @@ std::string poorly_in_words(const UpdatingParameter& p, const ParameterStatistic
         "the data hardly identify {}: its standard deviation is {:.0f} % of the prior's, so its value comes mostly "
         "from the prior",
         p.name, 100.0 * statistics.to_prior[i]);
+  if (!std::isfinite(statistics.deviations[i]))
+    return fmt::format("the data do not identify {}: it has no finite standard deviation", p.name);
   return fmt::format("the data hardly identify {}: its standard deviation is {:.2g} {}", p.name,
                      statistics.deviations[i], p.unit);
 }

@@ -112,16 +112,39 @@ void check_widening(const UpdatedValue& parameter, std::vector<Reason>& reasons)
        parameter.widening});
 }
 
+/// Those of the parameters for which no prior is stated.
+std::vector<std::string> without_prior(const std::vector<std::string>& names, const UpdatingRecord& record) {
+  std::vector<std::string> without;
+  for (const auto& name : names) {
+    const auto found = std::ranges::find(record.parameters, name, &UpdatedValue::name);
+    if (found == record.parameters.end() || !found->prior_deviation) without.push_back(name);
+  }
+  return without;
+}
+
+/// A prior is advised only where none is stated: where there is one, the value comes from it already.
 void check_information(const UpdatingRecord& record, std::vector<Reason>& reasons) {
-  for (const auto& name : record.not_identified)
-    reasons.push_back({"not_identified", name, fmt::format("the measurements hardly determine parameter '{}'", name),
-                       "hold it at its value, give it a prior, or compare with a measurement that depends on it",
+  for (const auto& name : record.not_identified) {
+    const bool has_prior = without_prior({name}, record).empty();
+    reasons.push_back({"not_identified", name,
+                       fmt::format("the measurements hardly determine parameter '{}'{}", name,
+                                   has_prior ? ": its value and deviation are about those of its prior" : ""),
+                       has_prior
+                           ? "hold it at its value, or compare with a measurement that depends on it"
+                           : "hold it at its value, give it a prior, or compare with a measurement that depends on it",
                        VerdictState::suspicious, 1.0});
-  for (const auto& names : record.not_told_apart)
+  }
+  for (const auto& names : record.not_told_apart) {
+    const auto without = without_prior(names, record);
     reasons.push_back({"correlated", fmt::format("{}", fmt::join(names, ", ")),
-                       fmt::format("the measurements cannot tell parameters {} apart", listed(names)),
-                       "hold one of them, give it a narrow prior, or add measurements that separate them",
+                       fmt::format("the measurements cannot tell parameters {} apart{}", listed(names),
+                                   without.empty() ? ": their priors decide how a change is shared" : ""),
+                       without.empty()
+                           ? "hold one of them, or add measurements that separate them"
+                           : fmt::format("hold one of them, give {} a prior, or add measurements that separate them",
+                                         listed(without)),
                        VerdictState::suspicious, 1.0});
+  }
 }
 
 }  // namespace

@@ -75,7 +75,7 @@ Table run_table(const RunComparison& comparison) {
     const auto& run = comparison.runs[i];
     const FoundFilter filter = run.filter.value_or(FoundFilter{});
     table.rows.push_back(
-        {comparison.labels[i], to_string(run.verdict), run.filter ? filter.filter : "-",
+        {comparison.labels[i], run.compared ? to_string(run.verdict) : "-", run.filter ? filter.filter : "-",
          run.filter ? std::to_string(filter.states) : "-", four_digits(or_nan(filter.consistency.mean_nis)),
          four_digits(or_nan(filter.consistency.expected_nis)), per_cent(or_nan(filter.consistency.fraction_in_95)),
          four_digits(or_nan(filter.microseconds_per_step)), four_digits(or_nan(run.timing.front().second))});
@@ -116,7 +116,7 @@ Json run_json(const RunComparison& comparison, std::size_t i) {
             {"run", run.identity},
             {"case", run.case_file},
             {"title", run.title},
-            {"verdict", to_string(run.verdict)},
+            {"verdict", run.compared ? nlohmann::ordered_json(to_string(run.verdict)) : nlohmann::ordered_json()},
             {"message", run.message},
             {"filter", run.filter ? Json(run.filter->filter) : Json(nullptr)},
             {"nis", nullptr},

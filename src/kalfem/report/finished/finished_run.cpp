@@ -136,7 +136,9 @@ FinishedRun run_of(const Json& summary) {
   run.title = text_in(summary, "title");
   run.usable = summary.at("status") == "ok";
   run.message = text_in(summary, "message");
-  run.verdict = state_named(summary.at("verdict").at("state"));
+  const Json& state = summary.at("verdict").at("state");
+  run.compared = !state.is_null();
+  if (run.compared) run.verdict = state_named(state);
   for (const auto& reason : summary.at("verdict").at("reasons"))
     run.reasons.push_back({.code = text_in(reason, "code"),
                            .subject = text_in(reason, "subject"),

@@ -52,7 +52,8 @@ struct FinishedRun {
   std::string identity;          ///< the same for every file of the run
   std::string case_file, title;  ///< name of the case file; title of the case, may be empty
   bool usable = false;
-  std::string message;  ///< why the numbers are not usable
+  std::string message;   ///< why the numbers are not usable
+  bool compared = true;  ///< with measurements; otherwise there is no verdict
   VerdictState verdict = VerdictState::consistent;
   std::vector<Reason> reasons;  ///< worst first
   std::vector<std::string> warnings, files;

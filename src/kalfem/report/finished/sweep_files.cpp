@@ -55,7 +55,9 @@ std::string status_of(const FinishedSweepRun& run) {
   return run.found->usable ? "ok" : "failed";
 }
 
-std::string verdict_of(const FinishedSweepRun& run) { return run.found ? to_string(run.found->verdict) : ""; }
+std::string verdict_of(const FinishedSweepRun& run) {
+  return run.found && run.found->compared ? to_string(run.found->verdict) : "";
+}
 
 std::string cell(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;

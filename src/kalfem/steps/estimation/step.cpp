@@ -25,12 +25,22 @@ std::optional<FrequencyCourse> frequencies_of(RunContext& context, const Structu
   return std::nullopt;
 }
 
+/// The parameters of the updating whose values the model of this run has.
+std::vector<std::string> updated_parameters(const RunContext& context) {
+  std::vector<std::string> names;
+  if (context.updated)
+    for (const auto& [index, target] : context.study.updating->bindings) names.push_back(target.name);
+  return names;
+}
+
 /// Which mistake explains it where the numbers contradict themselves.
 void diagnose(RunContext& context, const StructureParts& parts, EstimationOutcome& outcome) {
   const Study& study = context.study;
   context.job.begin("diagnose");
-  outcome.diagnosis = context.results.phases.measure(
-      "diagnose", [&] { return look_for_cause(*study.problem, parts, record_of(study, context.results), outcome); });
+  outcome.diagnosis = context.results.phases.measure("diagnose", [&] {
+    return look_for_cause(*study.problem, parts, record_of(study, context.results), outcome,
+                          updated_parameters(context));
+  });
 }
 
 void estimate(RunContext& context) {

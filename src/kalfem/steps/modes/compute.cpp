@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kalfem/steps/modes/compute.hpp"
 
+#include <algorithm>
+#include <set>
 #include <utility>
 
 #include "kalfem/model/linear_model.hpp"
@@ -15,6 +17,16 @@ const ModesOutcome& modes_found(const StudyResults& results) {
   return found ? *found : none;
 }
 
+const SubstructureModes* UpdatedModes::of(const std::string& substructure) const {
+  const auto found = std::ranges::find(substructures, substructure, &SubstructureModes::name);
+  return found == substructures.end() ? nullptr : &*found;
+}
+
+const SubstructureModes* updated_modes_of(const StudyResults& results, const std::string& substructure) {
+  const auto* updated = results.find<UpdatedModes>();
+  return updated ? updated->of(substructure) : nullptr;
+}
+
 std::vector<SubstructureModes> substructure_modes(const Study& study, Eigen::Index count) {
   std::vector<SubstructureModes> all;
   for (const auto& lumped : study.structure->parts.substructures) {
@@ -25,6 +37,22 @@ std::vector<SubstructureModes> substructure_modes(const Study& study, Eigen::Ind
   }
   for (const auto& elements : study.structure->finite_elements)
     all.push_back(modes_of(*elements.part, lowest_full_modes(elements, count)));
+  return all;
+}
+
+UpdatedModes modes_at(const Study& study, const Eigen::VectorXd& values, Eigen::Index count) {
+  std::set<std::string> names;
+  for (const auto& [index, target] : study.updating->bindings)
+    if (!target.of_connector()) names.insert(target.owner);
+  UpdatedModes all;
+  if (count == 0) return all;
+  for (const auto& name : names) {
+    const auto parameterised = study.updating_plan->structure->model_of(name);
+    if (!parameterised) continue;
+    const LinearModel model = parameterised->at(values).model;
+    const auto modes = lowest_normal_modes(model, {std::min(count, model.size())});
+    all.substructures.push_back({name, model.size(), 0.0, modes.frequencies, modes.shapes});
+  }
   return all;
 }
 

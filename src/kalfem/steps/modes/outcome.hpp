@@ -25,7 +25,18 @@ struct ModesOutcome {
   Eigen::VectorXd joined_frequencies;
 };
 
+/// The substructures that an updating changed, at full order and the updated values: a step "update" leaves them.
+struct UpdatedModes {
+  std::vector<SubstructureModes> substructures;
+
+  /// Nothing where the substructure was not updated.
+  [[nodiscard]] const SubstructureModes* of(const std::string& substructure) const;
+};
+
 /// That of a run, empty where the run did not come so far.
 const ModesOutcome& modes_found(const StudyResults& results);
+
+/// The updated modes of a substructure; nothing where it was not updated, or the run does not take the modes.
+const SubstructureModes* updated_modes_of(const StudyResults& results, const std::string& substructure);
 
 }  // namespace kalfem

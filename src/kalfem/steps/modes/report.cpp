@@ -31,10 +31,16 @@ std::string difference_in_words(const ModeComparison& compared) {
   return words == "-0.0000 %" ? "0.0000 %" : words;
 }
 
-std::vector<std::string> compared_row(const std::string& part, Index mode, const ModeComparison& compared) {
+std::string updated_frequency(const SubstructureModes* updated, Index mode) {
+  return updated && mode < updated->frequencies.size() ? four_digits(updated->frequencies[mode]) : "-";
+}
+
+std::vector<std::string> compared_row(const std::string& part, Index mode, const ModeComparison& compared,
+                                      const SubstructureModes* updated) {
   const auto [full, reduced] = written_apart(compared.full, compared.reduced);
   return {part,
           std::to_string(mode + 1),
+          updated_frequency(updated, mode),
           full,
           reduced,
           compared.full > 0.0 ? difference_in_words(compared) : "-",
@@ -72,17 +78,30 @@ std::string reason_for_dashes(const FiniteElementSubstructure* elements, const S
 }  // namespace
 
 Table modes_table(const Study& study, const StudyResults& results) {
-  Table table{"Modes", {"substructure", "mode", "full [Hz]", "reduced [Hz]", "difference", "MAC", "residual"}, {}, {}};
+  const bool updated = results.has<UpdatedModes>() && !results.get<UpdatedModes>().substructures.empty();
+  const std::string label = updated ? "initial, " : "";
+  Table table{"Modes",
+              {"substructure", "mode", "updated, full [Hz]", label + "full [Hz]", label + "reduced [Hz]", "difference",
+               "MAC", "residual"},
+              {},
+              {}};
   table.caption = lumped_words(study, results);
+  if (updated)
+    table.caption +=
+        std::string(table.caption.empty() ? "" : " ") +
+        "Updated: at the updated values. All other columns are at the initial values. Modes are counted by frequency "
+        "in both.";
   for (const auto& part : modes_found(results).substructures) {
     const auto* elements = find_elements(study, part.name);
     const auto compared =
         elements && elements->reduced ? elements->reduced->error_indicators.modes : std::vector<ModeComparison>{};
     const auto count = static_cast<Index>(compared.size());
+    const auto* changed = updated_modes_of(results, part.name);
     for (Index i = 0; i < count; ++i)
-      table.rows.push_back(compared_row(part.name, i, compared[static_cast<std::size_t>(i)]));
+      table.rows.push_back(compared_row(part.name, i, compared[static_cast<std::size_t>(i)], changed));
     for (Index i = count; i < part.frequencies.size(); ++i)
-      table.rows.push_back({part.name, std::to_string(i + 1), four_digits(part.frequencies[i]), "-", "-", "-", "-"});
+      table.rows.push_back({part.name, std::to_string(i + 1), updated_frequency(changed, i),
+                            four_digits(part.frequencies[i]), "-", "-", "-", "-"});
     if (const auto reason = reason_for_dashes(elements, part); !reason.empty())
       table.caption += (table.caption.empty() ? "" : " ") + reason;
   }
@@ -94,7 +113,8 @@ Table joined_modes_table(const Study& study, const StudyResults& results) {
   for (Index i = 0; i < modes_found(results).joined_frequencies.size(); ++i)
     table.rows.push_back({std::to_string(i + 1), four_digits(modes_found(results).joined_frequencies[i])});
   const auto reduced = [](const FiniteElementSubstructure& each) { return each.reduced != nullptr; };
-  table.caption = "All parts together, connectors linear about rest";
+  table.caption = results.has<UpdatedModes>() ? "All parts together at the initial values, connectors linear about rest"
+                                              : "All parts together, connectors linear about rest";
   table.caption += std::ranges::any_of(study.structure->finite_elements, reduced)
                        ? ", of the superelements: right up to about half of what these keep."
                        : ".";

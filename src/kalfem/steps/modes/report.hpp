@@ -16,7 +16,8 @@
 namespace kalfem {
 
 /// Natural frequencies of every substructure; of a reduced one also the frequency, the modal assurance criterion and
-/// the relative residual of every mode that the reduction keeps. The caption says why modes have none of these.
+/// the relative residual of every mode that the reduction keeps. The caption says why modes have none of these. After
+/// an updating, the columns say which values they belong to.
 Table modes_table(const Study& study, const StudyResults& results);
 
 /// Natural frequencies of the joined structure; no rows where nothing is joined.
@@ -32,8 +33,10 @@ std::string console_modes(const Study& study, const StudyResults& results);
 /// The object "model" of summary.json: sizes, frequencies, and how the reductions keep them.
 nlohmann::ordered_json model_summary(const Study& study, const StudyResults& results);
 
-/// Writes <part>_modes.vtu: the mesh with the translations of its nodes in each mode, for ParaView.
-void write_modes(const std::filesystem::path& folder, const FiniteElementPart& part, const SubstructureModes& modes);
+/// Writes <part>_modes.vtu: the mesh with the translations of its nodes in each mode, for ParaView. With `updated`
+/// those of both models, named "updated mode 01: ..." and "initial mode 01: ...".
+void write_modes(const std::filesystem::path& folder, const FiniteElementPart& part, const SubstructureModes& modes,
+                 const SubstructureModes* updated = nullptr);
 
 /// Of the mesh of a scene; finer ones are coarsened, so that a page stays small and turns at once.
 inline constexpr std::size_t most_scene_faces = 40000;

@@ -51,7 +51,7 @@ void write_shapes(const std::filesystem::path& folder, const Study& study, const
     for (const auto& modes : modes_found(results).substructures)
       if (modes.name == elements.part->name && modes.frequencies.size() > 0 &&
           !elements.part->elements.mesh.cells.empty())
-        write_modes(folder, *elements.part, modes);
+        write_modes(folder, *elements.part, modes, updated_modes_of(results, modes.name));
 }
 
 }  // namespace

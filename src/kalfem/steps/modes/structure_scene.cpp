@@ -175,10 +175,11 @@ Eigen::VectorXd at_places(const FiniteElementPart& part, const SparseMatrix& ave
   return translations.reshaped();
 }
 
-void add_modes(const FiniteElementPart& part, const SubstructureModes& modes, const SparseMatrix& averaging,
-               Scene& scene) {
+/// `label`: which model they are of, where the scene has those of two.
+void add_modes(const FiniteElementPart& part, const std::string& label, const SubstructureModes& modes,
+               const SparseMatrix& averaging, Scene& scene) {
   for (Index i = 0; i < std::min<Index>(modes.frequencies.size(), most_modes); ++i)
-    scene.fields.push_back({fmt::format("mode {}: {:.2f} Hz", i + 1, modes.frequencies[i]),
+    scene.fields.push_back({fmt::format("{}mode {}: {:.2f} Hz", label, i + 1, modes.frequencies[i]),
                             at_places(part, averaging, modes.shapes.col(i))});
 }
 
@@ -212,8 +213,10 @@ std::optional<Scene> structure_scene(const Study& study, const StudyResults& res
   scene.marks = marks.list();
   const SparseMatrix averaging = places.averaging();
   scene.places = mesh.nodes * averaging;
+  const auto* updated = updated_modes_of(results, part.name);
+  if (updated) add_modes(part, "updated ", *updated, averaging, scene);
   for (const auto& modes : modes_found(results).substructures)
-    if (modes.name == part.name) add_modes(part, modes, averaging, scene);
+    if (modes.name == part.name) add_modes(part, updated ? "initial " : "", modes, averaging, scene);
   const auto add_motions = [&](const std::vector<FieldSeries>& fields) {
     for (const auto& series : fields)
       if (series.substructure == part.name) add_motion(part, series, averaging, scene);

@@ -43,6 +43,8 @@ Json model_summary(const Study& study, const StudyResults& results) {
     Json frequencies = Json::array();
     for (const double f : part.frequencies) frequencies.push_back(number(f));
     parts[part.name] = {{"dofs", part.dofs}, {"mass", number(part.mass)}, {"frequencies_hz", frequencies}};
+    if (const auto* updated = updated_modes_of(results, part.name))
+      parts[part.name]["updated_frequencies_hz"] = numbers(updated->frequencies);
     dofs += part.dofs;
   }
   for (const auto& elements : study.structure->finite_elements) {
@@ -63,11 +65,16 @@ Json model_summary(const Study& study, const StudyResults& results) {
   return model;
 }
 
-void write_modes(const std::filesystem::path& folder, const FiniteElementPart& part, const SubstructureModes& modes) {
+void write_modes(const std::filesystem::path& folder, const FiniteElementPart& part, const SubstructureModes& modes,
+                 const SubstructureModes* updated) {
   std::vector<NodalField> fields;
-  for (Index i = 0; i < modes.frequencies.size(); ++i)
-    fields.push_back({fmt::format("mode {:02d}: {:.2f} Hz", i + 1, modes.frequencies[i]),
-                      nodal_translations(part, modes.shapes.col(i))});
+  const auto add = [&](const std::string& label, const SubstructureModes& all) {
+    for (Index i = 0; i < all.frequencies.size(); ++i)
+      fields.push_back({fmt::format("{}mode {:02d}: {:.2f} Hz", label, i + 1, all.frequencies[i]),
+                        nodal_translations(part, all.shapes.col(i))});
+  };
+  if (updated) add("updated ", *updated);
+  add(updated ? "initial " : "", modes);
   write_vtu((folder / (part.name + "_modes.vtu")).string(), part.elements.mesh, fields);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kalfem/identification/filter_run.hpp"
+#include "kalfem/steps/modes/compute.hpp"
 #include "kalfem/steps/run_step.hpp"
 #include "kalfem/steps/updating/checkpoint.hpp"
 #include "kalfem/steps/updating/compute.hpp"
@@ -27,7 +28,9 @@ void update(RunContext& context) {
   const Study& study = context.study;
   auto& results = context.results;
   auto& outcome = results.put(run_updating(study, results, context.options_of("update"), results.failure));
-  if (!study.augmented_model || !results.complete()) return;
+  if (!results.complete()) return;
+  if (context.takes("modes")) results.put(modes_at(study, outcome.values, study.report.modes));
+  if (!study.augmented_model) return;
   outcome.unknowns_before = unknowns_at_start(study, results);
   hand_on(study, outcome, context);
 }

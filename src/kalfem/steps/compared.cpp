@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kalfem/steps/compared.hpp"
+
+#include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/inference/outcome.hpp"
+#include "kalfem/steps/updating/outcome.hpp"
+#include "kalfem/steps/validation/outcome.hpp"
+
+namespace kalfem {
+
+bool has_verdict(const StudyResults& results) {
+  return results.has<EstimationOutcome>() || results.has<UpdatingOutcome>() || results.has<ValidationOutcome>() ||
+         results.has<InferenceOutcome>() || !results.complete() || !results.verdict.reasons().empty();
+}
+
+}  // namespace kalfem

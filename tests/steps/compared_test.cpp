@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "casefile/case_run.hpp"
+#include "kalfem/report/result_set.hpp"
+#include "kalfem/steps/compared.hpp"
+#include "kalfem/steps/modes/report.hpp"
+#include "kalfem/steps/updating/outcome.hpp"
+
+namespace kalfem {
+namespace {
+
+const std::string one_mass = R"(
+kalfem: 1
+substructures:
+  s: {masses: {m: 1.0}, springs: [{name: k, from: ground, to: m, stiffness: 400}], damping: {modal: 1 %}}
+excitation:
+  f: {force: s.m, random: {rms: 1, band: [0.5, 8]}}
+sensors:
+  y: {displacement: s.m, noise: 2 %}
+simulate: {duration: 2 s, sample_rate: 100 Hz}
+estimate: {unknown: {s.k.stiffness: {initial: 380, std: 40}}}
+)";
+
+/// Three masses of 1 kg, held, whose frequencies are those of equal springs of 1 kN/m.
+const std::string updated_chain = R"(
+kalfem: 1
+substructures:
+  frame:
+    masses: {1: 1 kg, 2: 1 kg, 3: 1 kg}
+    springs:
+      - {name: s1, from: ground, to: 1, stiffness: 1.3 kN/m}
+      - {name: s2, from: 1, to: 2, stiffness: 0.8 kN/m}
+      - {name: s3, from: 2, to: 3, stiffness: 1.1 kN/m}
+update:
+  parameters: {frame.s1.stiffness: {}, frame.s2.stiffness: {}, frame.s3.stiffness: {}}
+  compare:
+    modes: {modes: frame, frequencies: [2.2398607, 6.2759501, 9.0690107], deviation: 0.1 %}
+)";
+
+nlohmann::ordered_json state_after(const std::string& text, std::string_view verb) {
+  const auto study = test::study_of(text);
+  return summarise(study, run_study(study, verb, {}))["verdict"]["state"];
+}
+
+/// Modes and a simulation agree with anything. They end well, without a verdict.
+TEST(Compared, ARunWithoutMeasurementsHasNoVerdict) {
+  for (const std::string verb : {"modes", "simulate"}) {
+    const auto study = test::study_of(one_mass);
+    const auto results = run_study(study, verb, {});
+    EXPECT_TRUE(results.usable());
+    EXPECT_FALSE(has_verdict(results)) << verb;
+    EXPECT_TRUE(summarise(study, results)["verdict"]["state"].is_null()) << verb;
+  }
+}
+
+TEST(Compared, AnEstimationAndAnUpdatingHaveOne) {
+  EXPECT_TRUE(state_after(one_mass, "estimate").is_string());
+  EXPECT_EQ(state_after(updated_chain, "update"), "consistent");
+}
+
+TEST(Compared, AFailedRunIsUnusableWhateverItDid) {
+  StudyResults results;
+  results.failure = "the matrix is singular";
+  EXPECT_TRUE(has_verdict(results));
+}
+
+/// The table holds the modes of both models and says which are which.
+TEST(UpdatedModes, StandBesideThoseOfTheInitialModel) {
+  const auto study = test::study_of(updated_chain);
+  const auto results = run_study(study, "update", {});
+  const auto* updated = updated_modes_of(results, "frame");
+  ASSERT_NE(updated, nullptr);
+  EXPECT_NEAR(updated->frequencies[0], 2.2398607, 1e-5);  // the search ends within 1e-5 of the parameters
+  EXPECT_NEAR(updated->frequencies[2], 9.0690107, 1e-5);
+  const double initial = modes_found(results).substructures.front().frequencies[0];
+  EXPECT_GT(std::abs(initial - 2.2398607), 0.01);
+  const Table table = modes_table(study, results);
+  EXPECT_EQ(table.columns,
+            (std::vector<std::string>{"substructure", "mode", "updated, full [Hz]", "initial, full [Hz]"}));
+  ASSERT_EQ(table.rows.size(), 3U);
+  EXPECT_EQ(table.rows[0][2], "2.24");
+  EXPECT_NE(table.rows[0][3], "2.24");
+  EXPECT_NE(table.caption.find("at the updated values"), std::string::npos);
+  const auto frame = summarise(study, results)["model"]["substructures"]["frame"];
+  EXPECT_NEAR(frame["updated_frequencies_hz"][0].get<double>(), 2.2398607, 1e-5);
+  EXPECT_NEAR(frame["frequencies_hz"][0].get<double>(), initial, 1e-12);
+}
+
+/// Without an updating nothing is labelled.
+TEST(UpdatedModes, AreNotThereWithoutAnUpdating) {
+  const auto study = test::study_of(updated_chain);
+  const auto results = run_study(study, "modes", {});
+  EXPECT_EQ(modes_table(study, results).columns, (std::vector<std::string>{"substructure", "mode", "full [Hz]"}));
+  EXPECT_FALSE(summarise(study, results)["model"]["substructures"]["frame"].contains("updated_frequencies_hz"));
+}
+
+}  // namespace
+}  // namespace kalfem
