@@ -79,10 +79,11 @@ kalfem::Case<FrfData> frf_data() {
                     "contents of columns whose names do not end in _re, _im, _mag, _db or _phase");
   const auto record =
       Fields<FrfRecordSource>()
-          .required("record", &FrfRecordSource::file, located(path()), "time record from which H1 is estimated")
+          .required("record", &FrfRecordSource::file, located(path()),
+                    "time record whose spectra are compared, without a window; several of one input: one entry each")
           .required("input", &FrfRecordSource::input, text(), "column of the input")
           .optional("segment", &FrfRecordSource::segment, number("s", plausible::duration()),
-                    "length of the averaged segments")
+                    "length of the segments that H1 is averaged over, for compare: log_magnitude only")
           .optional("dataset", &FrfRecordSource::dataset, text(), "dataset, for an .h5 file")
           .optional("sample_rate", &FrfRecordSource::sample_rate, number("Hz", plausible::frequency()),
                     "sampling rate, if the file does not state it");
@@ -124,7 +125,8 @@ kalfem::Case<FrfData> frf_data() {
                     "factor between measured and computed responses, estimated together with the parameters; not for "
                     "compare: difference")
           .optional("deviation", &FrfData::deviation, number("-", Bounds::positive()),
-                    "standard deviation relative to each value")
+                    "standard deviation relative to each value; of a record nothing is added to its noise unless this "
+                    "is given")
           .optional("floor", &FrfData::floor, number("-", Bounds::nonnegative()),
                     "standard deviation relative to the rms of the lines used, added to it if the data state none of "
                     "their own")

@@ -10,6 +10,7 @@
 #include "kalfem/formats/frequency_response_file.hpp"
 #include "kalfem/formats/record_file.hpp"
 #include "kalfem/formats/tables/csv.hpp"
+#include "kalfem/updating/frf_record_residual.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 #include "kalfem/updating/modal_residual.hpp"
 #include "kalfem/updating/static_residual.hpp"
@@ -99,8 +100,11 @@ public:
   }
 
   ComparisonResidual operator()(const d::FrfData& given) const {
-    std::vector<MeasuredFrf> measured;
-    for (const auto& input : given.inputs) measured.push_back(measured_frf(given, input));
+    const auto records = std::ranges::count_if(given.inputs, is_record);
+    if (records > 0 && records < std::ssize(given.inputs))
+      throw InvalidInput(owner() + " mixes records and tables of frequency responses",
+                         "records are compared by their spectra, which have deviations of their own",
+                         "put the tables into a comparison of their own under `compare`");
     FrfResidualOptions options;
     options.form = given.compare == d::FrfComparison::logarithm       ? FrfForm::log
                    : given.compare == d::FrfComparison::log_magnitude ? FrfForm::log_magnitude
@@ -109,15 +113,8 @@ public:
     for (const auto& band : given.bands) options.bands.push_back({band[0], band[1]});
     options.relative_deviation = given.deviation;
     options.floor = given.floor;
-    ComparisonResidual comparison{name_, "frequency responses of '" + given.substructure.value + "'", {}};
-    const auto model = structure_->model_of(given.substructure.value);
-    const auto widths = given.smoothing > 0.0 ? smoothing_widths(given.smoothing, given.smoothing / smoothing_range)
-                                              : std::vector<double>{0.0};
-    for (const double width : widths) {
-      options.smoothing = width;
-      comparison.continuation_steps.push_back(std::make_shared<FrfResidual>(model, measured, start(), options));
-    }
-    return comparison;
+    const bool of_spectra = records > 0 && given.compare != d::FrfComparison::log_magnitude;
+    return of_spectra ? spectra_comparison(given, options) : response_comparison(given, options);
   }
 
   ComparisonResidual operator()(const d::StaticData& given) const {
@@ -144,17 +141,93 @@ public:
 private:
   [[nodiscard]] VectorXd start() const { return initial_values(study_.updating->parameters); }
 
-  [[nodiscard]] MeasuredFrf measured_frf(const d::FrfData& given, const d::FrfInput& input) const {
-    MeasuredFrf measured;
-    if (const auto* force = std::get_if<d::FrfForce>(&input.input)) {
-      measured.set = {FrfInput::force, force->point.value, {}, {}};
-    } else {
-      measured.set = {FrfInput::ground_acceleration, std::get<d::FrfGround>(input.input).ground.value, {}, {}};
+  static bool is_record(const d::FrfInput& input) { return std::holds_alternative<d::FrfRecordSource>(input.source); }
+
+  /// FRFs as they are in a file, or magnitudes from records.
+  [[nodiscard]] ComparisonResidual response_comparison(const d::FrfData& given,
+                                                       const FrfResidualOptions& options) const {
+    std::vector<MeasuredFrf> measured;
+    for (const auto& input : given.inputs) measured.push_back(measured_frf(given, input));
+    ComparisonResidual comparison{name_, "frequency responses of '" + given.substructure.value + "'", {}};
+    add_responses(given, measured, options, comparison);
+    return comparison;
+  }
+
+  /// Records by their spectra. The search comes near by local rational fits of the FRFs, as logarithms are far less
+  /// sensitive to the start.
+  [[nodiscard]] ComparisonResidual spectra_comparison(const d::FrfData& given,
+                                                      const FrfResidualOptions& options) const {
+    std::vector<FrfRecord> records;
+    for (const auto& input : given.inputs) {
+      const auto [record, outputs] = read_record(given, input);
+      const auto& source = std::get<d::FrfRecordSource>(input.source);
+      if (source.segment != d::FrfRecordSource{}.segment)
+        warnings_.push_back(owner() +
+                            ".inputs: `segment` has no effect: the whole record is compared, without "
+                            "segments; they are for compare: log_magnitude");
+      records.push_back(
+          frf_record(source.file.value.string(), record, source.input, outputs, set_of(given, input), options.bands));
     }
-    for (const auto& output : given.outputs) measured.set.outputs.push_back(output.value);
-    measured.set.quantity = given.quantity == d::FrfQuantity::displacement ? ResponseQuantity::displacement
-                            : given.quantity == d::FrfQuantity::velocity   ? ResponseQuantity::velocity
-                                                                           : ResponseQuantity::acceleration;
+    ComparisonResidual comparison{
+        name_, "spectra of records of '" + given.substructure.value + "' by its frequency responses", {}};
+    add_responses(given, local_rational_responses(records), options, comparison);
+    FrfResidualOptions of_noise = options;
+    if (!study_.given.source.gives({"update", "compare", name_, "deviation"})) of_noise.relative_deviation = 0.0;
+    comparison.continuation_steps.push_back(std::make_shared<FrfRecordResidual>(
+        structure_->model_of(given.substructure.value), records, start(), of_noise));
+    return comparison;
+  }
+
+  /// From the widest smoothing to none.
+  void add_responses(const d::FrfData& given, const std::vector<MeasuredFrf>& measured, FrfResidualOptions options,
+                     ComparisonResidual& comparison) const {
+    const auto model = structure_->model_of(given.substructure.value);
+    const auto widths = given.smoothing > 0.0 ? smoothing_widths(given.smoothing, given.smoothing / smoothing_range)
+                                              : std::vector<double>{0.0};
+    for (const double width : widths) {
+      options.smoothing = width;
+      comparison.continuation_steps.push_back(std::make_shared<FrfResidual>(model, measured, start(), options));
+    }
+  }
+
+  [[nodiscard]] FrfSet set_of(const d::FrfData& given, const d::FrfInput& input) const {
+    FrfSet set;
+    if (const auto* force = std::get_if<d::FrfForce>(&input.input))
+      set = {FrfInput::force, force->point.value, {}, {}};
+    else
+      set = {FrfInput::ground_acceleration, std::get<d::FrfGround>(input.input).ground.value, {}, {}};
+    for (const auto& output : given.outputs) set.outputs.push_back(output.value);
+    set.quantity = given.quantity == d::FrfQuantity::displacement ? ResponseQuantity::displacement
+                   : given.quantity == d::FrfQuantity::velocity   ? ResponseQuantity::velocity
+                                                                  : ResponseQuantity::acceleration;
+    return set;
+  }
+
+  /// The record of an input with the names of its outputs.
+  [[nodiscard]] std::pair<Record, std::vector<std::string>> read_record(const d::FrfData& given,
+                                                                        const d::FrfInput& input) const {
+    const auto& source = std::get<d::FrfRecordSource>(input.source);
+    std::vector<std::string> outputs = input.columns;
+    if (outputs.empty())
+      for (const auto& output : given.outputs) outputs.push_back(output.value);
+    if (std::ranges::find(outputs, source.input) != outputs.end())
+      throw InvalidInput(source.file.issue("the column '" + source.input + "' is both input and output", "",
+                                           "list the columns of the outputs under `columns`"));
+    if (outputs.size() != given.outputs.size())
+      throw InvalidInput(source.file.issue(
+          std::to_string(outputs.size()) + " columns for " + std::to_string(given.outputs.size()) + " outputs",
+          "every output needs a column", "name one column per output"));
+    std::vector<WantedChannel> columns;
+    for (const auto& output : outputs)
+      columns.push_back({.column = output, .owner = owner(), .unit = unit_of(given.quantity)});
+    columns.push_back({.column = source.input, .owner = owner(), .unit = unit_of(input)});
+    return {
+        read_record_file(source.file.value, columns, {.sample_rate = source.sample_rate, .dataset = source.dataset}),
+        std::move(outputs)};
+  }
+
+  [[nodiscard]] MeasuredFrf measured_frf(const d::FrfData& given, const d::FrfInput& input) const {
+    MeasuredFrf measured{.name = {}, .response = {}, .set = set_of(given, input)};
     if (const auto* table = std::get_if<d::FrfFile>(&input.source)) {
       measured.name = table->file.value.string();
       measured.response =
@@ -164,25 +237,17 @@ private:
     }
     const auto& source = std::get<d::FrfRecordSource>(input.source);
     measured.name = source.file.value.string();
-    const std::vector<std::string> outputs = input.columns.empty() ? measured.set.outputs : input.columns;
-    if (std::ranges::find(outputs, source.input) != outputs.end())
-      throw InvalidInput(source.file.issue("the column '" + source.input + "' is both input and output", "",
-                                           "list the columns of the outputs under `columns`"));
-    std::vector<WantedChannel> columns;
-    for (const auto& output : outputs)
-      columns.push_back({.column = output, .owner = owner(), .unit = unit_of(given.quantity)});
-    columns.push_back({.column = source.input, .owner = owner(), .unit = unit_of(input)});
-    const Record record =
-        read_record_file(source.file.value, columns, {.sample_rate = source.sample_rate, .dataset = source.dataset});
+    const auto [record, outputs] = read_record(given, input);
     const auto segment = static_cast<Index>(std::llround(source.segment * record.sample_rate));
     measured.response = estimate_h1(std::span(&record, 1), source.input, outputs, {.segment = segment}).response;
-    warn_of_leakage(measured.response, given, source.segment);
+    refuse_leakage(measured.response, given, source);
     return measured;
   }
 
   /// A window widens a resonance by about one and a half lines: where its half-power bandwidth 2 zeta f is not much
   /// more, the damping comes out too large.
-  void warn_of_leakage(const FrequencyResponse& response, const d::FrfData& given, double segment) const {
+  static void refuse_leakage(const FrequencyResponse& response, const d::FrfData& given,
+                             const d::FrfRecordSource& source) {
     constexpr double fewest_lines = 2.0;
     const auto in_bands = [&](double frequency) {
       return given.bands.empty() || std::ranges::any_of(given.bands, [&](const auto& band) {
@@ -192,13 +257,13 @@ private:
     for (const auto& peak : find_peaks(response)) {
       if (!peak.damping || !in_bands(peak.frequency)) continue;
       const double width = 2.0 * *peak.damping * peak.frequency;
-      if (width * segment >= fewest_lines) continue;
-      warnings_.push_back(owner() + ": the resonance at " + shortest(std::round(10.0 * peak.frequency) / 10.0) +
-                          " Hz is narrower than two lines of a segment of " + shortest(segment) + " s (" +
-                          shortest(std::round(1e3 * fewest_lines / segment) / 1e3) +
-                          " Hz): leakage of the window makes its damping too large; give longer segments, or compare "
-                          "the record itself");
-      return;  // the lowest one is the narrowest
+      if (width * source.segment >= fewest_lines) continue;
+      throw InvalidInput(source.file.issue(
+          "the resonance at " + shortest(std::round(10.0 * peak.frequency) / 10.0) +
+              " Hz is narrower than two lines of a segment of " + shortest(source.segment) + " s (" +
+              shortest(std::round(1e3 * fewest_lines / source.segment) / 1e3) + " Hz)",
+          "with compare: log_magnitude the window of the segments makes its damping too large",
+          "remove compare: log_magnitude, as the spectra of the whole record need no window, or give longer segments"));
     }
   }
 

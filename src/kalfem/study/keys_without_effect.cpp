@@ -148,6 +148,12 @@ private:
     for (const auto& [name, given] : update.comparisons) {
       const auto* modal = std::get_if<d::ModalData>(&given.value.data);
       if (modal && !modal->shapes) warn({"update", "compare", name, "minimum_mac"}, "no mode shapes are compared");
+      const auto* frf = std::get_if<d::FrfData>(&given.value.data);
+      const auto is_record = [](const d::FrfInput& input) {
+        return std::holds_alternative<d::FrfRecordSource>(input.source);
+      };
+      if (frf && std::ranges::all_of(frf->inputs, is_record))
+        warn({"update", "compare", name, "floor"}, "records have the deviations that their noise gives them");
       if (std::holds_alternative<d::FrfData>(given.value.data) && (evolves || update.starts > 1))
         warn({"update", "compare", name, "smoothing"}, "it applies to a search from one starting point only");
     }

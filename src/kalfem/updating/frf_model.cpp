@@ -48,24 +48,6 @@ VectorXd static_amplitudes(const ResponseBasis& basis, const VectorXd& load) {
   return (basis.stiffness.array() > 0.0).select(load.array() / basis.stiffness.array(), 0.0);
 }
 
-/// dH of a line, from the answers Z^-1 V^T f (first column) and Z^-1 V^T S^T (the others).
-MatrixXcd line_derivatives(const FrfEvaluation& evaluation, const FrfEvaluation::Set& set, Complex s,
-                           const MatrixXcd& answers) {
-  const auto answer = answers.col(0);
-  const auto adjoint = answers.rightCols(answers.cols() - 1);
-  MatrixXcd derivatives(adjoint.cols(), static_cast<Index>(evaluation.derivatives.size()));
-  for (std::size_t p = 0; p < evaluation.derivatives.size(); ++p) {
-    const auto& [stiffness, mass, damping, modal] = evaluation.derivatives[p];
-    VectorXcd load = VectorXcd::Zero(answer.size());
-    if (!set.load_derivatives.empty()) load = set.load_derivatives[p].constant + s * set.load_derivatives[p].per_s;
-    if (stiffness.size() > 0) load -= stiffness * answer;
-    if (damping.size() > 0) load -= s * (damping * answer);
-    if (mass.size() > 0) load -= s * s * (mass * answer);
-    derivatives.col(static_cast<Index>(p)) = adjoint.transpose() * load;
-  }
-  return derivatives;
-}
-
 FrfEvaluation::Derivative reduced(const ResponseBasis& basis, const ModelDerivative& derivative,
                                   const ModalRatios& ratios) {
   FrfEvaluation::Derivative reduced{projected(basis.shapes, derivative.stiffness),
@@ -89,24 +71,56 @@ FrfEvaluation::Derivative reduced(const ResponseBasis& basis, const ModelDerivat
 //      damping is. One solve gives H, and with the outputs as further right-hand sides the adjoint answers.
 //   3. dH needs no further solve: adjoint answers times (df - dZ V Z^-1 V^T f).
 //   4. Loads of a moving ground depend on the parameters too; those derivatives are central differences.
-FrfLine FrfEvaluation::at(std::size_t index, Complex s) const {
-  const Set& set = sets[index];
-  const Index adjoint = derivatives.empty() ? 0 : set.outputs.rows();
-  MatrixXcd answers(basis.size(), 1 + adjoint);
-  answers.col(0) = set.load.constant + s * set.load.per_s;
-  answers.rightCols(adjoint) = set.outputs.topRows(adjoint).transpose().cast<Complex>();
+MatrixXcd FrfEvaluation::solved(Complex s, MatrixXcd columns) const {
   const VectorXcd undamped = basis.stiffness + s * s * basis.mass;
-  if (diagonal) {
-    answers = (undamped + s * damping.diagonal()).cwiseInverse().asDiagonal() * answers;
-  } else {
-    MatrixXcd impedance = s * damping;
-    impedance.diagonal() += undamped;
-    answers = impedance.partialPivLu().solve(answers);
+  if (diagonal) return (undamped + s * damping.diagonal()).cwiseInverse().asDiagonal() * columns;
+  MatrixXcd impedance = s * damping;
+  impedance.diagonal() += undamped;
+  return impedance.partialPivLu().solve(columns);
+}
+
+VectorXcd FrfEvaluation::load(std::size_t index, Complex s) const {
+  return sets[index].load.constant + s * sets[index].load.per_s;
+}
+
+MatrixXcd FrfEvaluation::transfer(std::size_t index, Complex s) const {
+  return std::pow(s, sets[index].order) * solved(s, sets[index].outputs.transpose().cast<Complex>()).transpose();
+}
+
+MatrixXcd FrfEvaluation::answers_to(std::size_t index, Complex s, const VectorXcd& load) const {
+  MatrixXcd columns(basis.size(), 1 + sets[index].outputs.rows());
+  columns << load, sets[index].outputs.transpose().cast<Complex>();
+  return solved(s, std::move(columns));
+}
+
+// Z is symmetric, so the adjoint answers Z^-1 V^T S^T are the transfer's transpose.
+MatrixXcd FrfEvaluation::derivatives_from(std::size_t index, Complex s, Complex input, const MatrixXcd& answers) const {
+  const Set& set = sets[index];
+  const auto answer = answers.col(0);
+  const auto adjoint = answers.rightCols(answers.cols() - 1);
+  MatrixXcd all(adjoint.cols(), static_cast<Index>(derivatives.size()));
+  for (std::size_t p = 0; p < derivatives.size(); ++p) {
+    const auto& [stiffness, mass, change_of_damping, modal] = derivatives[p];
+    VectorXcd change = VectorXcd::Zero(answer.size());
+    if (!set.load_derivatives.empty())
+      change = input * (set.load_derivatives[p].constant + s * set.load_derivatives[p].per_s);
+    if (stiffness.size() > 0) change -= stiffness * answer;
+    if (change_of_damping.size() > 0) change -= s * (change_of_damping * answer);
+    if (mass.size() > 0) change -= s * s * (mass * answer);
+    all.col(static_cast<Index>(p)) = adjoint.transpose() * change;
   }
-  const Complex factor = std::pow(s, set.order);
-  FrfLine line{factor * (set.outputs * answers.col(0)), {}};
-  if (adjoint > 0) line.derivatives = factor * line_derivatives(*this, set, s, answers);
-  return line;
+  return std::pow(s, set.order) * all;
+}
+
+MatrixXcd FrfEvaluation::derivatives_under(std::size_t index, Complex s, Complex input, const VectorXcd& held) const {
+  return derivatives_from(index, s, input, answers_to(index, s, input * load(index, s) + held));
+}
+
+FrfLine FrfEvaluation::at(std::size_t index, Complex s) const {
+  const Complex factor = std::pow(s, sets[index].order);
+  if (derivatives.empty()) return {factor * (sets[index].outputs * solved(s, load(index, s))), {}};
+  const MatrixXcd answers = answers_to(index, s, load(index, s));
+  return {factor * (sets[index].outputs * answers.col(0)), derivatives_from(index, s, 1.0, answers)};
 }
 
 bool FrfEvaluation::is_singular(Complex s) const {

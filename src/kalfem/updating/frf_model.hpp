@@ -102,6 +102,24 @@ struct FrfEvaluation {
   [[nodiscard]] bool is_singular(std::complex<double> s) const;
   /// Line of a set, with derivatives where they are at hand.
   [[nodiscard]] FrfLine at(std::size_t set, std::complex<double> s) const;
+  /// s^(q - p) S V Z^-1: what unit forces on the shapes give at the outputs of a set, outputs x r.
+  [[nodiscard]] Eigen::MatrixXcd transfer(std::size_t set, std::complex<double> s) const;
+  /// V^T (f_0 + s f_1) of a set's unit input.
+  [[nodiscard]] Eigen::VectorXcd load(std::size_t set, std::complex<double> s) const;
+  /// Derivatives of transfer(set, s) (input load(set, s) + held), where `held` is a load on the shapes that no
+  /// parameter changes; outputs x parameters.
+  [[nodiscard]] Eigen::MatrixXcd derivatives_under(std::size_t set, std::complex<double> s, std::complex<double> input,
+                                                   const Eigen::VectorXcd& held) const;
+
+private:
+  /// Z^-1 of some columns.
+  [[nodiscard]] Eigen::MatrixXcd solved(std::complex<double> s, Eigen::MatrixXcd columns) const;
+  /// Z^-1 of a load, first column, and of V^T S^T of the set, the others.
+  [[nodiscard]] Eigen::MatrixXcd answers_to(std::size_t set, std::complex<double> s,
+                                            const Eigen::VectorXcd& load) const;
+  /// The derivatives from these answers, `input` times the unit input in the load.
+  [[nodiscard]] Eigen::MatrixXcd derivatives_from(std::size_t set, std::complex<double> s, std::complex<double> input,
+                                                  const Eigen::MatrixXcd& answers) const;
 };
 
 /// FRFs of a model as a function of its parameters. Immutable.
