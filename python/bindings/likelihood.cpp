@@ -66,7 +66,8 @@ py::dict sample(const OpenedLikelihood& self, const std::string& method, int sam
   const Posterior posterior{plan.prior, evaluate ? evaluated_by(*evaluate) : self.search.likelihood.log_likelihood};
   const auto outcome = LongCall(progress).run([&](const Progress& report) {
     InferenceOutcome found;
-    sample_posterior(plan, posterior, self.search.start, threads, report, found);
+    sample_posterior(plan, posterior, self.search.start,
+                     {threads, search_likelihoods(self.search.likelihood, plan.samples)}, report, found);
     return found;
   });
   const auto count = outcome.samples.values.cols();

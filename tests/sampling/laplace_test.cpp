@@ -67,10 +67,20 @@ TEST(Laplace, SaysWhereItCannotHold) {
   const Posterior cut{uniform_box(1, 0.0, 1.0), [](const Eigen::VectorXd& x) { return log_normal(x[0], 0.1, 0.1); }};
   EXPECT_TRUE(warns(laplace_approximation(cut), "within two deviations"));
 
-  EXPECT_TRUE(warns(laplace_approximation(blobs_case().posterior, {.random_starts = 20}), "several maxima"));
-
   const Posterior nowhere{uniform_box(1, 0.0, 1.0), [](const Eigen::VectorXd&) { return std::nan(""); }};
   EXPECT_THROW(laplace_approximation(nowhere), InvalidInput);
+}
+
+TEST(Laplace, NamesTheOtherMaximaWithTheirShares) {
+  const EvidenceCase known = blobs_case();
+  const auto one = laplace_approximation(known.posterior);
+  EXPECT_EQ(one.prior_starts, 0);
+  const auto all = laplace_approximation(known.posterior, {.search_likelihoods = 4000});
+  ASSERT_EQ(all.others.size(), 1u);
+  EXPECT_FALSE(all.usable());
+  EXPECT_GE(all.prior_starts, 60);
+  EXPECT_NEAR(*all.log_evidence_of_all(), known.log_evidence, 0.05);
+  EXPECT_LT(*all.log_evidence, known.log_evidence - 0.1);
 }
 
 TEST(Laplace, DoesNotDependOnThreads) {

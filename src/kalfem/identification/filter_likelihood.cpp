@@ -6,6 +6,7 @@
 
 #include "kalfem/estimation/innovation_pass.hpp"
 #include "kalfem/identification/filter_run.hpp"
+#include "kalfem/identification/likelihood_substeps.hpp"
 #include "kalfem/identification/likelihood_unknowns.hpp"
 #include "kalfem/identification/named_unknowns.hpp"
 #include "kalfem/identification/refined_filter.hpp"
@@ -63,6 +64,12 @@ int substeps_for(const EstimationProblemPtr& problem, const NamedUnknowns& unkno
 }
 
 }  // namespace
+
+int likelihood_substeps(const EstimationProblemPtr& problem, const Record& record, std::vector<std::string> names,
+                        const VectorXd& first) {
+  const EstimationProblemPtr own = lean(problem);
+  return substeps_for(own, NamedUnknowns(own, std::move(names), first), record);
+}
 
 class FilterLikelihood::Implementation {
 public:

@@ -39,6 +39,30 @@ std::vector<EstimatedInput> take_inputs(const std::vector<UnknownInput>& inputs,
   return taken;
 }
 
+/// Smooths the filter's run. Where rounding stops the smoother, as it may where some motions are known a million times
+/// better than others, the run is repeated in physical coordinates, and with square roots of covariances, which
+/// rounding does not make negative. Nothing where no form of the filter can be smoothed.
+std::optional<SmoothedRecord> smooth_safely(const EstimationProblemPtr& problem, const Screening& screening,
+                                            const EstimationOptions& options, const FilteredRecord& filtered) {
+  if (auto smoothed = smooth(*filtered.run.choice.augmented_model, filtered.run.input, options, filtered.result))
+    return smoothed;
+  const auto used = filtered.run.choice.augmented_model->options().coordinates;
+  const std::vector<std::pair<FilterKind, StateCoordinates>> safer{
+      {FilterKind::partially_linear, StateCoordinates::physical},
+      {FilterKind::partially_linear_square_root, StateCoordinates::physical}};
+  for (const auto& [kind, coordinates] : safer) {
+    if (kind == options.filter && coordinates == used) continue;
+    const FilterRun run =
+        make_filter_run_like(filtered.run, problem, screening.setup(), screening.record(), coordinates);
+    EstimationOptions again = options;
+    again.filter = kind;
+    const EstimationResult result = estimate(*run.choice.augmented_model, run.input, again);
+    if (result.failure) continue;
+    if (auto smoothed = smooth(*run.choice.augmented_model, run.input, again, result)) return smoothed;
+  }
+  return std::nullopt;
+}
+
 /// The first sample of the error and consistency figures: a run that failed while it settled is judged from its start.
 Index first_judged(const EstimationResult& result, Index settled) {
   return result.failure && settled >= std::max<Index>(1, result.failure->computed) ? 0 : settled;
@@ -283,8 +307,7 @@ void RecordEstimation::evaluate(FilteredRecord filtered, SubstepChoice substeps)
   EstimationOptions of_filter = screening_->options();
   of_filter.filter = filtered.run.choice.filter;
   std::optional<SmoothedRecord> smoothed;
-  if (settings.smooth && !filtered.result.failure)
-    smoothed = smooth(*filtered.run.choice.augmented_model, filtered.run.input, of_filter, filtered.result);
+  if (settings.smooth && !filtered.result.failure) smoothed = smooth_safely(problem_, *screening_, of_filter, filtered);
   auto events = screening_->events(filtered.result);
   Record measurements = without(filtered.run.input.measured, events);
   RecordEstimate estimate{.filter = filtered.run.choice.filter,

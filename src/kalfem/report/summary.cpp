@@ -14,6 +14,7 @@
 #include "kalfem/report/result_set.hpp"
 #include "kalfem/steps/compared.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/inference/outcome.hpp"
 #include "kalfem/steps/table.hpp"
 
 namespace kalfem {
@@ -31,13 +32,11 @@ void drop_times(Json& json) {
 namespace {
 
 /// What all files of one run carry, so that files of two runs are told apart: 16 hexadecimal digits, a hash of the case
-/// with all its defaults and of the numbers in its summary. Times that were taken are left out, and what an earlier run
-/// left to a resumed one: the same run again has the same identity.
+/// with all its defaults and of the numbers in its summary. Times that were taken are left out, and with them what an
+/// earlier run left to a resumed one: the same run again has the same identity.
 std::string run_identity(const Study& study, const Json& summary) {
   Json numbers = summary;
   drop_times(numbers);
-  if (const auto inference = numbers.find("inference"); inference != numbers.end())
-    inference->erase("evaluations_from_earlier_run");
   Hash hash;
   hash.add(study.resolved_case);
   hash.add(numbers.dump(-1, ' ', false, Json::error_handler_t::replace));
@@ -59,6 +58,8 @@ Json timing_summary(const Study& study, const StudyResults& results) {
                                   {"output", number(outcome.result.time.output)}};
     timing["first_answer"] = {{"after_s", number(outcome.first_answer_seconds)}};
   }
+  if (const auto* inference = results.find<InferenceOutcome>())
+    timing["infer_evaluations_from_earlier_run"] = inference->evaluations_before;
   return timing;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "kalfem/base/parallel.hpp"
@@ -18,6 +19,7 @@
 // 2. draw_rounds(): N / 4, N / 4 and N / 2 samples, each from a random stream of its own.
 // 3. Between rounds, if few samples are effective, fit_anew(): one step of expectation and maximisation over the
 //    weighted samples. These are then discarded, since they have drawn the fit towards themselves.
+// 4. modes_of() the samples, each of which belongs to the parts by their shares of the proposal there.
 
 namespace kalfem {
 namespace {
@@ -28,6 +30,7 @@ constexpr double enough_samples = 100.0;  ///< effective ones
 struct Part {
   double share = 1.0;
   NormalApproximation scale;
+  bool at_maximum = true;  ///< the search converged
 };
 
 /// Steps of the differences are at most 0.15, over which the prior alone falls by 0.01.
@@ -49,7 +52,7 @@ std::vector<Part> parts_about(const std::vector<Peak>& peaks, const LogDensity& 
   Eigen::VectorXd log_mass(count);
   for (Eigen::Index d = 0; d < count; ++d) {
     const Peak& peak = peaks[static_cast<std::size_t>(d)];
-    parts.push_back({1.0, laplace_about(peak, log_density)});
+    parts.push_back({1.0, laplace_about(peak, log_density), peak.converged});
     const Eigen::LLT<Eigen::MatrixXd> factor(parts.back().scale.covariance);
     log_mass[d] = peak.value + factor.matrixLLT().diagonal().array().log().sum();
   }
@@ -130,20 +133,28 @@ NormalApproximation moments(const Eigen::MatrixXd& z, const Eigen::VectorXd& wei
   return {mean, centred * weight.asDiagonal() * centred.transpose()};
 }
 
-/// Shares, means and covariances of the parts from the weighted samples, each of which belongs to a part by that part's
-/// share of the density there. The part as it was counts like two effective samples for each parameter.
-std::vector<Part> fit_anew(const std::vector<Part>& parts, const Draws& draws, const Eigen::VectorXd& weight,
-                           const ImportanceOptions& options) {
+/// Weights of the samples, samples x parts: a sample belongs to a part by that part's share of the density there.
+Eigen::MatrixXd weights_of(const std::vector<Part>& parts, const Draws& draws, const Eigen::VectorXd& weight,
+                           int degrees) {
   const auto count = static_cast<Eigen::Index>(parts.size());
   Eigen::MatrixXd belongs(draws.z.cols(), count);
   for (Eigen::Index d = 0; d < count; ++d) {
     const Part& part = parts[static_cast<std::size_t>(d)];
-    const StudentDistribution about(part.scale, options.degrees);
+    const StudentDistribution about(part.scale, degrees);
     for (Eigen::Index i = 0; i < draws.z.cols(); ++i)
       belongs(i, d) = std::log(part.share) + about.log_density(draws.z.col(i));
   }
   for (Eigen::Index i = 0; i < draws.z.cols(); ++i)
     belongs.row(i) = weight[i] * normalised(belongs.row(i).transpose()).transpose();
+  return belongs;
+}
+
+/// Shares, means and covariances of the parts from the weighted samples. The part as it was counts like two effective
+/// samples for each parameter.
+std::vector<Part> fit_anew(const std::vector<Part>& parts, const Draws& draws, const Eigen::VectorXd& weight,
+                           const ImportanceOptions& options) {
+  const auto count = static_cast<Eigen::Index>(parts.size());
+  const Eigen::MatrixXd belongs = weights_of(parts, draws, weight, options.degrees);
   std::vector<Part> fitted = parts;
   for (Eigen::Index d = 0; d < count; ++d) {
     Part& part = fitted[static_cast<std::size_t>(d)];
@@ -192,10 +203,34 @@ ImportanceResult result_of(const Posterior& posterior, const Draws& draws) {
   return result;
 }
 
-/// The samples since the proposal was last fitted.
+/// The posterior about each maximum, by the weighted samples.
+std::vector<PosteriorMode> modes_of(const std::vector<Part>& about_peaks, const std::vector<Part>& fitted,
+                                    const Draws& draws, const ImportanceResult& result, const Posterior& posterior,
+                                    int degrees) {
+  std::vector<Part> parts;
+  std::vector<Eigen::VectorXd> peaks;
+  for (std::size_t d = 0; d < fitted.size(); ++d) {
+    if (!fitted[d].at_maximum) continue;
+    parts.push_back(fitted[d]);
+    peaks.push_back(posterior.prior.from_standard_normal(about_peaks[d].scale.mean));
+  }
+  if (parts.empty()) return {};
+  const Eigen::MatrixXd belongs = weights_of(parts, draws, result.samples.weights, degrees);
+  std::vector<PosteriorMode> modes;
+  for (std::size_t d = 0; d < parts.size(); ++d) {
+    const Eigen::VectorXd own = belongs.col(static_cast<Eigen::Index>(d));
+    if (own.sum() < least_mode_weight) continue;
+    const auto [mean, covariance] = moments(result.samples.values, own / own.sum());
+    modes.push_back({own.sum(), peaks[d], mean, covariance.diagonal().cwiseMax(0.0).cwiseSqrt()});
+  }
+  std::ranges::stable_sort(modes, std::greater(), &PosteriorMode::weight);
+  return modes;
+}
+
+/// The samples since the proposal was last fitted, and the `parts` that proposed them.
 Draws draw_rounds(const std::vector<Part>& about_peaks, const Posterior& posterior, const ImportanceOptions& options,
-                  const Progress& progress) {
-  std::vector<Part> parts = about_peaks;
+                  const Progress& progress, std::vector<Part>& parts) {
+  parts = about_peaks;
   StudentMixture proposal = proposal_of(parts, {}, options);
   Draws draws;
   const Eigen::Index samples = options.samples;
@@ -230,7 +265,8 @@ IssueList validate(const ImportanceOptions& options) {
   check(options.prior_share >= 0.0 && options.prior_share < 1.0, "prior_share out of range", "at least 0, below 1");
   check(options.efficiency >= 0.0 && options.efficiency <= 1.0, "efficiency out of range", "0 to 1");
   check(options.max_iterations >= 1 && options.threads >= 1, "max_iterations or threads below 1", "at least one");
-  check(options.random_starts >= 0, "negative random_starts", "a number of searches");
+  check(options.random_starts >= 0 && options.search_likelihoods >= 0, "negative random_starts or search_likelihoods",
+        "numbers of searches and of likelihoods");
   check(options.decrement > 0.0, "decrement not positive", "the search would never end");
   return issues;
 }
@@ -241,14 +277,19 @@ ImportanceResult sample_importance(const Posterior& posterior, const ImportanceO
   if (progress) progress("maximum", 0.0);
   LogPosterior log_posterior(posterior, options.threads);
   const auto log_density = [&](const Eigen::MatrixXd& z) { return log_posterior.over_normals(z); };
-  const std::vector<Peak> peaks = find_peaks(log_density, posterior.prior,
-                                             {.max_iterations = options.max_iterations,
-                                              .decrement = options.decrement,
-                                              .random_starts = options.random_starts,
-                                              .seed = options.seed,
-                                              .start = options.start});
-  const Draws draws = draw_rounds(parts_about(peaks, log_density), posterior, options, progress);
+  const auto [peaks, prior_starts] = find_peaks(log_density, posterior.prior,
+                                                {.max_iterations = options.max_iterations,
+                                                 .decrement = options.decrement,
+                                                 .random_starts = options.random_starts,
+                                                 .search_likelihoods = options.search_likelihoods,
+                                                 .seed = options.seed,
+                                                 .start = options.start});
+  const std::vector<Part> about_peaks = parts_about(peaks, log_density);
+  std::vector<Part> parts;
+  const Draws draws = draw_rounds(about_peaks, posterior, options, progress, parts);
   ImportanceResult result = result_of(posterior, draws);
+  result.modes = modes_of(about_peaks, parts, draws, result, posterior, options.degrees);
+  result.prior_starts = prior_starts;
   result.evaluations = log_posterior.evaluations() + options.samples;
   result.warnings = warnings_of(result, peaks.front().converged);
   if (progress) progress("samples", 1.0);

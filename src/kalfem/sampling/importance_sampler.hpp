@@ -10,6 +10,7 @@
 #include "kalfem/base/progress.hpp"
 #include "kalfem/sampling/normal_approximation.hpp"
 #include "kalfem/sampling/posterior.hpp"
+#include "kalfem/sampling/posterior_mode.hpp"
 
 namespace kalfem {
 
@@ -19,10 +20,13 @@ struct ImportanceOptions {
   /// Part of the samples that is drawn from the prior, which bounds the weights by L_max / (share Z) and can show that
   /// the search missed a mode.
   double prior_share = 0.1;
-  double efficiency = 0.5;               ///< the proposal is fitted anew where effective samples / samples is below
-  int max_iterations = 100;              ///< of the search for the maximum
-  double decrement = 1e-3;               ///< it ends where a Newton step would raise the log-density by less
-  int random_starts = 0;                 ///< samples of the prior to search from, beside its median or `start`
+  double efficiency = 0.5;   ///< the proposal is fitted anew where effective samples / samples is below
+  int max_iterations = 100;  ///< of the search for the maximum
+  double decrement = 1e-3;   ///< it ends where a Newton step would raise the log-density by less
+  int random_starts = 0;     ///< samples of the prior to search from, beside its median or `start`
+  /// Likelihoods that searches from further samples of the prior may take, which end when none tells of another
+  /// maximum; see find_peaks(). 0: none.
+  long long search_likelihoods = 0;
   std::optional<Eigen::VectorXd> start;  ///< theta
   std::uint64_t seed = 1;
   int threads = 1;  ///< results do not depend on it
@@ -37,6 +41,8 @@ struct ImportanceResult {
   double effective_samples = 0.0;       ///< 1 / sum of the squared normalised weights
   double k_hat = 0.0;                   ///< shape of the tail of the weights, see smooth_weights()
   NormalApproximation approximation;    ///< moments of the weighted samples over z, for MetropolisOptions::start
+  std::vector<PosteriorMode> modes;     ///< about the maxima found, with at least least_mode_weight, the heaviest first
+  int prior_starts = 0;                 ///< searches from samples of the prior, see unseen_share()
   std::vector<std::string> warnings;    ///< why not to trust the result, in words; empty: nothing speaks against it
   long long evaluations = 0;            ///< of the likelihood, search included
 
@@ -52,9 +58,10 @@ struct ImportanceResult {
 /// Douc, Guillin, Marin and Robert 2008, Stat. Comput. 18, 447-459) and keep a quarter of the first ones beside them.
 /// The samples before a fit are discarded: if they are kept, with the mean of all proposals as q (Cornuet, Marin, Mira
 /// and Robert 2012, Scand. J. Stat. 39, 798-812), ln Z is too low by 0.06 for ten parameters and N = 1000. The largest
-/// weights are smoothed, see smooth_weights(). A mode that neither the search nor a sample of the prior hit remains
-/// unseen. Throws InvalidInput (validate(); a start that does not fit; no likelihood at any start or sample) and
-/// Interrupted.
+/// weights are smoothed, see smooth_weights(). A mode that neither a search nor a sample of the prior hit remains
+/// unseen; unseen_share(prior_starts) bounds the prior that leads to it. A sample belongs to the modes by the shares of
+/// their t distributions in q. Throws InvalidInput (validate(); a start that does not fit; no likelihood at any start
+/// or sample) and Interrupted.
 ImportanceResult sample_importance(const Posterior& posterior, const ImportanceOptions& options = {},
                                    const Progress& progress = {});
 

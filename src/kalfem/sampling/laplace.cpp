@@ -3,14 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "kalfem/base/units.hpp"
+#include "kalfem/sampling/evidence.hpp"
 #include "kalfem/sampling/log_posterior_differences.hpp"
 #include "kalfem/sampling/peak_search.hpp"
 
 // 1. find_peaks(): BFGS over z from every start.
-// 2. polish(): Newton steps over theta by LocalDifferences, and the Hessian at their end.
+// 2. approximate() each: Newton steps over theta by LocalDifferences, and the Hessian at their end.
 
 namespace kalfem {
 namespace {
@@ -50,24 +52,16 @@ std::vector<std::string> on_bounds(const JointPrior& prior, const Eigen::VectorX
   return found;
 }
 
-void warn_of_near_bounds(const JointPrior& prior, LaplaceApproximation& result) {
+void warn_of_near_bounds(const JointPrior& prior, const LaplaceMode& result, std::vector<std::string>& warnings) {
   for (std::size_t i = 0; i < prior.marginals().size(); ++i) {
     const auto& [name, marginal] = prior.marginals()[i];
     const auto k = static_cast<Eigen::Index>(i);
     const double deviation = std::sqrt(result.covariance(k, k));
     for (const double bound : {support(marginal).lower, support(marginal).upper})
       if (std::abs(result.mode[k] - bound) < 2.0 * deviation)
-        result.warnings.push_back(name + ": the bound " + shortest(bound) +
-                                  " is within two deviations of the maximum and cuts the posterior; sample");
+        warnings.push_back(name + ": the bound " + shortest(bound) +
+                           " is within two deviations of the maximum and cuts the posterior; sample");
   }
-}
-
-Peak highest_peak(LogPosterior& log_posterior, const LaplaceOptions& options, LaplaceApproximation& result) {
-  const auto log_density = [&](const Eigen::MatrixXd& z) { return log_posterior.of(z); };
-  std::vector<Peak> peaks = find_peaks(log_density, log_posterior.prior(), options);
-  if (std::count_if(peaks.begin(), peaks.end(), [](const Peak& peak) { return peak.converged; }) > 1)
-    result.warnings.emplace_back("starts ended on several maxima; the approximation knows only the highest; sample");
-  return std::move(peaks.front());
 }
 
 LocalDifferences differences_about(LogPosterior& log_posterior, const Peak& peak) {
@@ -84,21 +78,17 @@ LocalDifferences differences_about(LogPosterior& log_posterior, const Peak& peak
           (prior.from_standard_normal(peak.z + width) - theta).cwiseAbs(), lower, upper};
 }
 
-}  // namespace
-
-LaplaceApproximation laplace_approximation(const Posterior& posterior, const LaplaceOptions& options) {
+/// The normal distribution about a peak, and what speaks against it.
+LaplaceMode approximate(const Posterior& posterior, LogPosterior& log_posterior, const Peak& peak,
+                        const LaplaceOptions& options, bool& converged, std::vector<std::string>& warnings) {
   const JointPrior& prior = posterior.prior;
-  LogPosterior log_posterior(posterior, options.threads);
-  LaplaceApproximation result;
-  const Peak peak = highest_peak(log_posterior, options, result);
-  result.converged = peak.converged;
-  result.mode = prior.from_standard_normal(peak.z);
-
+  LaplaceMode result{.mode = prior.from_standard_normal(peak.z)};
+  converged = peak.converged;
   const auto bounds = on_bounds(prior, result.mode);
-  result.warnings.insert(result.warnings.end(), bounds.begin(), bounds.end());
+  warnings.insert(warnings.end(), bounds.begin(), bounds.end());
   if (bounds.empty()) {
     LocalDifferences differences = differences_about(log_posterior, peak);
-    const Eigen::MatrixXd hessian = polish(differences, options, result.converged);
+    const Eigen::MatrixXd hessian = polish(differences, options, converged);
     result.mode = differences.point();
     if (negative_definite(hessian)) {
       const Eigen::LDLT<Eigen::MatrixXd> information(-hessian);
@@ -106,18 +96,51 @@ LaplaceApproximation laplace_approximation(const Posterior& posterior, const Lap
       result.log_evidence = log_posterior.at(result.mode)[0] +
                             0.5 * static_cast<double>(hessian.rows()) * std::log(2.0 * std::numbers::pi) -
                             0.5 * information.vectorD().array().log().sum();
-      warn_of_near_bounds(prior, result);
+      warn_of_near_bounds(prior, result, warnings);
     } else {
-      result.warnings.emplace_back(
+      warnings.emplace_back(
           "the log-posterior is not curved downwards in every direction: some combination of parameters is not "
           "determined by the data, or the maximum is none; sample, or give a narrower prior");
     }
   }
-  if (!result.converged)
-    result.warnings.emplace_back("the search did not converge; try another start or more iterations");
+  if (!converged) warnings.emplace_back("the search did not converge; try another start or more iterations");
   result.log_prior = prior.log_density(result.mode);
   result.log_likelihood = posterior.log_likelihood_at(result.mode);
-  result.evaluations = log_posterior.evaluations() + 1;
+  return result;
+}
+
+}  // namespace
+
+std::optional<double> LaplaceApproximation::log_evidence_of_all() const {
+  if (!log_evidence) return std::nullopt;
+  Eigen::VectorXd all(1 + std::ssize(others));
+  all[0] = *log_evidence;
+  for (Eigen::Index k = 1; k < all.size(); ++k) all[k] = *others[static_cast<std::size_t>(k - 1)].log_evidence;
+  return log_sum_exp(all);
+}
+
+LaplaceApproximation laplace_approximation(const Posterior& posterior, const LaplaceOptions& options) {
+  LogPosterior log_posterior(posterior, options.threads);
+  const auto log_density = [&](const Eigen::MatrixXd& z) { return log_posterior.of(z); };
+  const PeakSearch search = find_peaks(log_density, posterior.prior, options);
+  LaplaceApproximation result;
+  static_cast<LaplaceMode&>(result) =
+      approximate(posterior, log_posterior, search.peaks.front(), options, result.converged, result.warnings);
+  for (std::size_t k = 1; k < search.peaks.size(); ++k) {
+    if (!search.peaks[k].converged) continue;
+    bool converged = false;
+    std::vector<std::string> warnings;
+    LaplaceMode other = approximate(posterior, log_posterior, search.peaks[k], options, converged, warnings);
+    if (other.log_evidence) {
+      result.others.push_back(std::move(other));
+      result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
+    } else {
+      result.warnings.emplace_back("another maximum has no normal approximation; sample");
+    }
+  }
+  std::ranges::stable_sort(result.others, std::greater(), [](const LaplaceMode& other) { return *other.log_evidence; });
+  result.prior_starts = search.prior_starts;
+  result.evaluations = log_posterior.evaluations() + 1 + static_cast<int>(result.others.size());
   return result;
 }
 

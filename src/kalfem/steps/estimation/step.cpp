@@ -53,6 +53,12 @@ void estimate(RunContext& context) {
   const StructureParts& parts = context.updated ? *context.updated : study.structure->parts;
   diagnose(context, parts, outcome);
   if (!results.complete()) return;
+  if (study.problem->settings.smooth && !outcome.smoothed)
+    results.warnings.push_back(
+        "estimate.smooth: the estimates from the whole record are missing: rounding stopped the smoother with every "
+        "form "
+        "of the filter; state the noise of the sensors and the deviation of unknown inputs as large as they are, or "
+        "leave smooth out");
   if (study.report.frequencies > 0) outcome.frequencies = frequencies_of(context, parts);
   // Otherwise the pictures have another basis than the augmented model.
   if (!context.updated && context.augmented_model->linear_unknowns.bindings.empty())

@@ -11,6 +11,7 @@
 #include "kalfem/identification/correlated_error.hpp"
 #include "kalfem/identification/filter_likelihood.hpp"
 #include "kalfem/identification/fisher_information.hpp"
+#include "kalfem/identification/likelihood_substeps.hpp"
 #include "kalfem/steps/updating/compute.hpp"
 
 namespace kalfem {
@@ -23,16 +24,41 @@ namespace {
 
 constexpr double impossible = -std::numeric_limits<double>::infinity();
 
+constexpr double search_work = 2.5e10;     ///< operations of all searches for further maxima
+constexpr double most_input_values = 1e8;  ///< numbers of the inputs at all substeps of a record
+
+/// A filter's step takes some ten operations for each entry of its covariance.
+double work_of_pass(Index samples, int substeps, Index states) {
+  return 10.0 * static_cast<double>(samples) * substeps * static_cast<double>(states * states);
+}
+
+/// The same problem with substeps that are given.
+EstimationProblemPtr with_substeps(const EstimationProblemPtr& problem, int substeps) {
+  auto own = std::make_shared<EstimationProblem>(*problem);
+  own->settings.substeps = substeps;
+  return own;
+}
+
 CaseLikelihood by_filter(const Study& study, const Record& record, const VectorXd& first) {
   const auto& plan = *study.inference;
-  const FilterLikelihood likelihood(study.problem, record, names_of(plan), {.first = first});
+  const auto names = names_of(plan);
+  const int substeps = likelihood_substeps(study.problem, record, names, first);
+  const FilterLikelihood likelihood(with_substeps(study.problem, substeps), record, names, {.first = first});
   const VectorXd scale = plan.prior.deviation();
-  return {names_of(plan), [=](const VectorXd& theta) { return likelihood.log_likelihood(theta); },
-          [=, threads = filter_threads(study.problem->settings)](const VectorXd& theta) {
-            return fisher_information(likelihood, theta, {.scale = scale, .threads = threads});
-          },
-          fmt::format("the record of {} sensors by the filter, states and process noise integrated out",
-                      record.channels.size())};
+  const auto& augmented = *study.augmented_model;
+  CaseLikelihood made{names, [=](const VectorXd& theta) { return likelihood.log_likelihood(theta); },
+                      [=, threads = filter_threads(study.problem->settings)](const VectorXd& theta) {
+                        return fisher_information(likelihood, theta, {.scale = scale, .threads = threads});
+                      },
+                      fmt::format("the record of {} sensors by the filter, states and process noise integrated out",
+                                  record.channels.size()),
+                      work_of_pass(record.samples(), substeps, 2 * augmented.model->system().size() + 1)};
+  const auto inputs = std::max<std::size_t>(1, augmented.input_sources.size());
+  if (2.0 * substeps * static_cast<double>(record.samples()) * static_cast<double>(inputs) < most_input_values)
+    made.finer = [problem = with_substeps(study.problem, 2 * substeps), record, names, first](const VectorXd& theta) {
+      return FilterLikelihood(problem, record, names, {.first = first}).log_likelihood(theta);
+    };
+  return made;
 }
 
 std::string errors_in_words(double correlation_time) {
@@ -68,10 +94,24 @@ CaseLikelihood by_simulation(const Study& study, const Record& record, const Vec
           },
           [](const VectorXd&) { return std::optional<MatrixXd>(); },
           "the record against its simulation from rest, errors " + errors_in_words(plan.correlation_time) +
-              " and of the size that fits each sensor best"};
+              " and of the size that fits each sensor best",
+          work_of_pass(record.samples(), 4, 2 * study.model->system().size() + 1)};
+}
+
+/// Assembly and modes of each model, and a solution for each number that is compared.
+double work_of_comparisons(const Study& study, Index residuals) {
+  Index dofs = study.model->system().size();
+  for (const auto& elements : study.structure->finite_elements) dofs += elements.part->full.size();
+  return 2e5 + (5e4 + 100.0 * static_cast<double>(residuals)) * static_cast<double>(dofs);
 }
 
 }  // namespace
+
+long long search_likelihoods(const CaseLikelihood& likelihood, int samples) {
+  constexpr double fewest = 100.0;
+  const double allowed = std::min(4.0 * samples, search_work / std::max(1.0, likelihood.work));
+  return allowed < fewest ? 0 : static_cast<long long>(allowed);
+}
 
 std::vector<std::string> names_of(const InferencePlan& plan) {
   std::vector<std::string> names;
@@ -109,7 +149,7 @@ CaseLikelihood likelihood_of_comparisons(const Study& study, const StudyResults&
             if (!value) return std::nullopt;
             return MatrixXd(value->jacobian.transpose() * value->jacobian);
           },
-          words};
+          words, work_of_comparisons(study, sum->size())};
 }
 
 }  // namespace kalfem

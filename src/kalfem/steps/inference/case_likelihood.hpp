@@ -19,6 +19,9 @@ struct CaseLikelihood {
   /// Fisher information at theta [1/(unit_i unit_j)]; empty where it cannot be computed.
   std::function<std::optional<Eigen::MatrixXd>(const Eigen::VectorXd& theta)> information;
   std::string words;  ///< what it is made of
+  double work = 0.0;  ///< of one likelihood, floating-point operations in order of magnitude
+  /// With twice the substeps; null where it has none.
+  std::function<double(const Eigen::VectorXd& theta)> finer = {};
 };
 
 /// Of a record under the study's excitation, as the plan's kind says: `filter` or `simulation`. `first`: where the
@@ -27,6 +30,11 @@ CaseLikelihood likelihood_of_record(const Study& study, const Record& record, co
 
 /// Of the updating's comparisons.
 CaseLikelihood likelihood_of_comparisons(const Study& study, const StudyResults& results);
+
+/// Likelihoods that searches for further maxima may take: up to four a sample of the posterior, as many as ten seconds
+/// or so compute. Operations are counted, not seconds: the same case searches alike on every machine. None where these
+/// are fewer than 100, which would not tell much.
+long long search_likelihoods(const CaseLikelihood& likelihood, int samples);
 
 /// Names of the plan's parameters, and where their search starts.
 std::vector<std::string> names_of(const InferencePlan& plan);

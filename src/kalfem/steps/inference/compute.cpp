@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "kalfem/base/parallel.hpp"
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/identification/expected_record.hpp"
@@ -46,12 +48,6 @@ std::vector<InformedParameter> informed(const InferencePlan& plan, const VectorX
   for (Index i = 0; i < values.size(); ++i)
     parameters.push_back({plan.parameters[static_cast<std::size_t>(i)].name, values[i], deviation[i]});
   return parameters;
-}
-
-VectorXd posterior_mean(const InferenceOutcome& outcome) {
-  VectorXd means(std::ssize(outcome.posterior));
-  for (Index i = 0; i < means.size(); ++i) means[i] = outcome.posterior[static_cast<std::size_t>(i)].mean;
-  return means;
 }
 
 /// The filter's unknowns at the record's end, and those that a search found, beside the posterior.
@@ -153,15 +149,28 @@ InferenceOutcome run_inference(const Study& study, const StudyResults& results, 
                 : posterior_of_comparisons(study, results, checkpoint, of_posterior, outcome);
   outcome.likelihood = likelihood.words;
   if (!outcome.posterior.empty()) {
-    outcome.after = judged(plan, likelihood, posterior_mean(outcome));
+    outcome.after = judged(plan, likelihood, outcome.centre());
     if (has_filter_beside(plan, estimate)) outcome.beside_filter = beside_filter(outcome, *estimate);
     outcome.profiles = profiles_of(plan, {plan.prior, likelihood.log_likelihood}, outcome, threads);
-    if (of_record) outcome.bands = predictive_bands(study, record_of(study, results), outcome.samples, threads);
+    if (of_record) {
+      outcome.bands = predictive_bands(study, record_of(study, results), outcome.samples, threads);
+      if (outcome.bands.empty() && plan.predictions > 0 && can_be_simulated(study))
+        outcome.warnings.push_back(
+            fmt::format("predictions: {}: no draw of the posterior could be simulated from rest to the record's end, "
+                        "so there are no "
+                        "bands of the response; simulate fewer seconds, or set predictions: 0",
+                        plan.predictions));
+    }
   }
   if (!plan.laws.empty())
     outcome.laws =
         rank_laws(study, record_of(study, results), checkpoint, part_of(options.progress, posterior_share, 1.0));
   if (plan.sensitivity) outcome.sensitivity = output_sensitivity(study, record_of(study, results), threads);
+  if (!outcome.sensitivity.empty() && outcome.sensitivity.front().indices.left_out > 0)
+    outcome.warnings.push_back(fmt::format(
+        "sensitivity: the outputs cannot be computed at {} of {} samples of the priors, which the indices leave out; "
+        "narrow the priors to values at which the structure is possible",
+        outcome.sensitivity.front().indices.left_out, plan.sensitivity->samples));
   outcome.evaluations_before = checkpoint.from_earlier();
   outcome.seconds = watch.seconds();
   return outcome;

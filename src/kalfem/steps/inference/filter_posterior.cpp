@@ -6,7 +6,10 @@
 
 #include <fmt/format.h>
 
+#include "kalfem/base/parallel.hpp"
 #include "kalfem/identification/filter_likelihood.hpp"
+#include "kalfem/sampling/log_posterior_differences.hpp"
+#include "kalfem/sampling/peak_search.hpp"
 #include "kalfem/steps/inference/outcome.hpp"
 
 namespace kalfem {
@@ -46,10 +49,15 @@ FinalDistribution final_distribution(const InferencePlan& plan, const RecordEsti
   return final;
 }
 
+/// L of the covariance L L^T.
+MatrixXd root_of(const MatrixXd& covariance) {
+  const Eigen::LDLT<MatrixXd> factor(covariance);
+  return factor.transpositionsP().transpose() * MatrixXd(factor.matrixL()) *
+         factor.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+}
+
 SampleSet samples_of(const FinalDistribution& final, const InferencePlan& plan, double log_likelihood) {
-  const Eigen::LDLT<MatrixXd> factor(final.covariance);
-  const MatrixXd root = factor.transpositionsP().transpose() * MatrixXd(factor.matrixL()) *
-                        factor.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const MatrixXd root = root_of(final.covariance);
   MatrixXd z(final.mean.size(), plan.samples);
   RandomStream random(plan.seed, "filter's posterior");
   for (auto column : z.colwise()) {
@@ -70,6 +78,55 @@ double evidence_about_estimate(const FinalDistribution& final, const JointPrior&
          0.5 * Eigen::LDLT<MatrixXd>(covariance).vectorD().array().log().sum();
 }
 
+/// How far the likelihood's maximum lies from the filter's estimate.
+struct MaximumBeside {
+  VectorXd shift;       ///< of each parameter, in the smaller one of the filter's and the likelihood's deviations
+  VectorXd parameters;  ///< theta there
+  int evaluations = 0;
+};
+
+/// A few steps of a search over u, x = m + L u, where a right filter's posterior is N(0, I): it then ends where it
+/// began.
+MaximumBeside maximum_beside(const FinalDistribution& final, const Posterior& posterior, int threads) {
+  constexpr int few_steps = 3;
+  constexpr double small_rise = 0.125;  ///< of half a deviation
+  const MatrixXd root = root_of(final.covariance);
+  LogPosterior log_posterior(posterior, threads);
+  const auto over_u = [&](const MatrixXd& u) {
+    MatrixXd z(u.rows(), u.cols());
+    for (Index k = 0; k < u.cols(); ++k)
+      z.col(k) = posterior.prior.to_standard_normal(final.parameters(final.mean + root * u.col(k)));
+    return log_posterior.over_normals(z);
+  };
+  const Peak peak =
+      climb(over_u, VectorXd::Zero(final.mean.size()), {.max_iterations = few_steps, .decrement = small_rise});
+  const VectorXd shift = root * peak.z;
+  const VectorXd variance = (root * peak.inverse * root.transpose()).diagonal();
+  return {shift.cwiseQuotient(variance.cwiseMin(final.covariance.diagonal()).cwiseSqrt()),
+          final.parameters(final.mean + shift), log_posterior.evaluations()};
+}
+
+/// Warns where it is a deviation or more.
+void compare_with_likelihood(const InferencePlan& plan, const FinalDistribution& final, const Posterior& posterior,
+                             int threads, InferenceOutcome& outcome) {
+  constexpr double far = 1.0;
+  const auto [shift, parameters, evaluations] = maximum_beside(final, posterior, threads);
+  outcome.evaluations += evaluations;
+  std::string words;
+  for (Index i = 0; i < shift.size(); ++i) {
+    if (!(std::abs(shift[i]) >= far)) continue;
+    const auto& parameter = plan.parameters[static_cast<std::size_t>(i)];
+    words += fmt::format("{}'{}' by {:.1f} standard deviations (filter {:.4g}, likelihood {:.4g} {})",
+                         words.empty() ? "" : ", ", parameter.name, shift[i], outcome.most_probable[i], parameters[i],
+                         parameter.unit);
+  }
+  if (words.empty()) return;
+  outcome.warnings.push_back(
+      "the filter's values at the record's end are not those that the likelihood of the record "
+      "finds most probable, which differ for " +
+      words + "; start the unknowns nearer to their values, or take method: importance");
+}
+
 }  // namespace
 
 void take_filter_posterior(const Study& study, const Record& record, const RecordEstimate& estimate,
@@ -88,11 +145,13 @@ void take_filter_posterior(const Study& study, const Record& record, const Recor
   const double of_one_pass = FilterLikelihood(study.problem, record, {}).log_likelihood(VectorXd());
   outcome.log_evidence_deviation = std::abs(*outcome.log_evidence - of_one_pass);
   outcome.evaluations = 2;
+  compare_with_likelihood(plan, final, {plan.prior, likelihood.log_likelihood}, filter_threads(study.problem->settings),
+                          outcome);
   if (!(*outcome.log_evidence_deviation < strong_evidence))
     outcome.warnings.push_back(fmt::format(
         "ln Z about the filter's estimate and ln p of its whole pass, which would be the same if the filter were "
-        "exact, "
-        "are {:.3g} apart: smaller differences between laws say nothing; start the unknowns nearer to their values, or "
+        "exact, are {:.3g} apart: smaller differences between laws say nothing; start the unknowns nearer to their "
+        "values, or "
         "take method: importance",
         *outcome.log_evidence_deviation));
   summarise_posterior(outcome);

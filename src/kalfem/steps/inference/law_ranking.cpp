@@ -59,8 +59,7 @@ void validate(const Study& study, const InferenceOutcome& outcome, int threads, 
   const auto problem = held_back_problem(study);
   const auto names = names_of(*study.inference);
   const Record& record = study.validation->record.record;
-  VectorXd mean(std::ssize(outcome.posterior));
-  for (Index i = 0; i < mean.size(); ++i) mean[i] = outcome.posterior[static_cast<std::size_t>(i)].mean;
+  const VectorXd mean = outcome.centre();
   const FilterLikelihood likelihood(problem, record, names, {.first = mean});
   const auto draws = resample(outcome.samples, validation_draws, study.inference->seed);
   VectorXd densities(draws.values.cols());

@@ -11,6 +11,7 @@
 #include "kalfem/sampling/convergence.hpp"
 #include "kalfem/sampling/marginal_prior.hpp"
 #include "kalfem/sampling/posterior.hpp"
+#include "kalfem/sampling/posterior_mode.hpp"
 #include "kalfem/sampling/profile_likelihood.hpp"
 #include "kalfem/sampling/sobol.hpp"
 
@@ -84,6 +85,9 @@ struct InferenceOutcome {
   Eigen::VectorXd most_probable;  ///< values of the largest p(data | theta) p(theta) found
   double log_likelihood = 0.0;    ///< there
   std::optional<double> log_evidence, log_evidence_deviation;
+  double substep_bias = 0.0;                ///< of ln Z, from the likelihood with twice the substeps; in its deviation
+  std::vector<PosteriorMode> modes;         ///< two or more where the posterior has several, the heaviest first
+  std::optional<int> prior_starts;          ///< searches for maxima from samples of the prior; empty: no such method
   std::vector<Convergence> convergence;     ///< of Markov chains
   std::optional<double> effective_samples;  ///< of weighted samples
   std::optional<double> pareto_k;           ///< of their weights; above 0.7 they do not hold
@@ -99,6 +103,10 @@ struct InferenceOutcome {
   std::vector<OutputSensitivity> sensitivity;  ///< one an output
   std::vector<std::string> warnings;           ///< why the posterior may not hold, in words
   double seconds = 0.0;
+
+  /// Where one point stands for the posterior: its mean, or that of the heaviest of several modes, between which no
+  /// values fit.
+  [[nodiscard]] Eigen::VectorXd centre() const;
 };
 
 }  // namespace kalfem

@@ -34,10 +34,16 @@ CaseLikelihood posterior_of_comparisons(const Study& study, const StudyResults& 
                                         LikelihoodCheckpoint& checkpoint, const Progress& progress,
                                         InferenceOutcome& outcome);
 
+/// What a sampling may take.
+struct SamplingEffort {
+  int threads = 1;                   ///< results do not depend on it
+  long long search_likelihoods = 0;  ///< for searches from samples of the prior, see search_likelihoods()
+};
+
 /// Computes the posterior by the plan's method, whose search begins at `start`: samples, moments, evidence, diagnostics
 /// and warnings of the outcome. Throws InvalidInput where no start has a likelihood, and Interrupted.
-void sample_posterior(const InferencePlan& plan, const Posterior& posterior, const Eigen::VectorXd& start, int threads,
-                      const Progress& progress, InferenceOutcome& outcome);
+void sample_posterior(const InferencePlan& plan, const Posterior& posterior, const Eigen::VectorXd& start,
+                      const SamplingEffort& effort, const Progress& progress, InferenceOutcome& outcome);
 
 /// Moments and correlation of the outcome's samples.
 void summarise_posterior(InferenceOutcome& outcome);

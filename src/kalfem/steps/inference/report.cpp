@@ -5,6 +5,7 @@
 
 #include "kalfem/page/json_number.hpp"
 #include "kalfem/page/words.hpp"
+#include "kalfem/sampling/peak_search.hpp"
 #include "kalfem/steps/inference/outcome.hpp"
 
 namespace kalfem {
@@ -57,6 +58,18 @@ Json correlation_json(const InferenceOutcome& outcome) {
   for (Index i = 0; i < outcome.correlation.rows(); ++i)
     matrix.push_back(numbers(outcome.correlation.row(i).transpose()));
   return {{"names", names}, {"matrix", matrix}};
+}
+
+Json modes_json(const InferenceOutcome& outcome) {
+  Json modes = Json::array();
+  for (const auto& mode : outcome.modes) {
+    Json parameters = Json::object();
+    for (Index i = 0; i < mode.mean.size(); ++i)
+      parameters[outcome.posterior[static_cast<std::size_t>(i)].name] = {
+          {"mean", number(mode.mean[i])}, {"std", number(mode.deviation[i])}, {"most_probable", number(mode.peak[i])}};
+    modes.push_back({{"weight", number(mode.weight)}, {"parameters", parameters}});
+  }
+  return modes;
 }
 
 Json filter_json(const std::vector<FilterComparison>& comparisons) {
@@ -139,12 +152,15 @@ Json inference_summary(const InferenceOutcome& outcome) {
                   {"correlation", correlation_json(outcome)},
                   {"log_evidence", number(outcome.log_evidence)},
                   {"log_evidence_std", number(outcome.log_evidence_deviation)},
+                  {"log_evidence_substep_bias", number(outcome.substep_bias)},
+                  {"modes", modes_json(outcome)},
+                  {"prior_starts", outcome.prior_starts ? Json(*outcome.prior_starts) : Json(nullptr)},
+                  {"unseen_share", outcome.prior_starts ? number(unseen_share(*outcome.prior_starts)) : Json(nullptr)},
                   {"log_likelihood", sampled ? number(outcome.log_likelihood) : Json(nullptr)},
                   {"samples", outcome.samples.values.cols()},
                   {"effective_samples", number(outcome.effective_samples)},
                   {"pareto_k", number(outcome.pareto_k)},
                   {"evaluations", outcome.evaluations},
-                  {"evaluations_from_earlier_run", outcome.evaluations_before},
                   {"identifiability",
                    {{"before", identifiability_json(outcome.before)}, {"after", identifiability_json(outcome.after)}}},
                   {"beside_filter", filter_json(outcome.beside_filter)},
@@ -168,11 +184,12 @@ std::string console_inference(const InferenceOutcome& outcome) {
     if (!line.empty()) text += line + "\n";
   };
   add(posterior_table(outcome));
+  add(mode_table(outcome));
   add(convergence_table(outcome));
   add(posterior_correlation_table(outcome));
   add(identifiability_table(outcome));
   if (outcome.before) add_line("Expected at the prior's centre: " + outcome.before->text);
-  if (outcome.after) add_line("At the posterior's mean: " + outcome.after->text);
+  if (outcome.after) add_line(after_words(outcome));
   add(filter_table(outcome));
   add_line(filter_words(outcome));
   add(profile_table(outcome));

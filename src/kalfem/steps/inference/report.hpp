@@ -44,6 +44,11 @@ std::string with_deviation(double mean, double deviation);
 std::string inference_answer(const InferenceOutcome& outcome);
 /// How it was computed: method, likelihood, samples and what they are worth, evidence, time.
 std::string inference_method_words(const InferenceOutcome& outcome);
+/// Whether other maxima were looked for, and which share of the prior may lead to one that was missed; empty where the
+/// method does not search.
+std::string search_words(const InferenceOutcome& outcome);
+/// What the data can tell at the posterior's mean, or that of its heaviest mode.
+std::string after_words(const InferenceOutcome& outcome);
 /// Where the filter's normal distribution differs from the posterior, or that it does not; empty without a filter.
 std::string filter_words(const InferenceOutcome& outcome);
 /// Why the posterior may not hold, and of which law the evidence.
@@ -55,6 +60,8 @@ std::string law_words(const InferenceOutcome& outcome);
 /// Without rows where the outcome has nothing for them; columns without a number are left out.
 ///@{
 Table posterior_table(const InferenceOutcome& outcome);
+/// Weight, mean and deviation of each of several modes.
+Table mode_table(const InferenceOutcome& outcome);
 Table convergence_table(const InferenceOutcome& outcome);
 /// Correlation in the posterior, of two parameters or more.
 Table posterior_correlation_table(const InferenceOutcome& outcome);

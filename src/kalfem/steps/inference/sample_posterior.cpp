@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kalfem/steps/inference/posterior.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include "kalfem/sampling/adaptive_metropolis.hpp"
+#include "kalfem/sampling/evidence.hpp"
 #include "kalfem/sampling/importance_sampler.hpp"
 #include "kalfem/sampling/laplace.hpp"
 #include "kalfem/sampling/tempered_sampler.hpp"
@@ -25,45 +28,85 @@ constexpr int pilot_samples = 200;  ///< by importance sampling, from which Mark
 constexpr int search_steps = 30;   ///< a rough likelihood has no maximum to converge to; the samples mend the rest
 constexpr int further_starts = 2;  ///< of the search for the maximum, where its samples do not hold
 
-/// Samples of the normal distribution inside the prior's support.
-SampleSet normal_samples(const Posterior& posterior, const LaplaceApproximation& laplace, const InferencePlan& plan) {
-  const Index size = laplace.mode.size();
-  const MatrixXd factor = Eigen::LLT<MatrixXd>(laplace.covariance).matrixL();
-  MatrixXd z(size, plan.samples);
-  for (Index k = 0; k < plan.samples; ++k) {
-    RandomStream random(plan.seed, "laplace " + std::to_string(k));
-    VectorXd theta = laplace.mode;
-    for (int tries = 0; tries < 1000; ++tries) {
-      const VectorXd normal = VectorXd::NullaryExpr(size, [&] { return random.normal(); });
-      const VectorXd drawn = laplace.mode + factor * normal;
-      if (!std::isfinite(posterior.prior.log_density(drawn))) continue;
-      theta = drawn;
-      break;
-    }
-    z.col(k) = posterior.prior.to_standard_normal(theta);
+/// One sample of the normal distribution inside the prior's support; the mode where 1000 tries lie outside.
+VectorXd normal_sample(const Posterior& posterior, const LaplaceMode& about, const MatrixXd& factor,
+                       RandomStream& random) {
+  for (int tries = 0; tries < 1000; ++tries) {
+    const VectorXd normal = VectorXd::NullaryExpr(about.mode.size(), [&] { return random.normal(); });
+    const VectorXd drawn = about.mode + factor * normal;
+    if (std::isfinite(posterior.prior.log_density(drawn))) return drawn;
   }
-  return make_sample_set(posterior.prior, z, VectorXd::Constant(plan.samples, laplace.log_likelihood), 1);
+  return about.mode;
 }
 
-void by_laplace(const InferencePlan& plan, const Posterior& posterior, const VectorXd& start, int threads,
-                InferenceOutcome& outcome) {
-  const auto laplace = laplace_approximation(posterior, {.seed = plan.seed, .start = start, .threads = threads});
+/// Samples of the normal distributions about the modes, of each as many as its weight says.
+SampleSet normal_samples(const Posterior& posterior, const std::vector<LaplaceMode>& about, const VectorXd& weights,
+                         const InferencePlan& plan) {
+  std::vector<MatrixXd> factors;
+  for (const auto& mode : about) factors.emplace_back(Eigen::LLT<MatrixXd>(mode.covariance).matrixL());
+  MatrixXd z(posterior.prior.size(), plan.samples);
+  VectorXd log_likelihood(plan.samples);
+  std::size_t d = 0;
+  double reached = weights[0];
+  for (Index k = 0; k < plan.samples; ++k) {
+    while (d + 1 < about.size() && (static_cast<double>(k) + 0.5) / plan.samples >= reached)
+      reached += weights[static_cast<Index>(++d)];
+    RandomStream random(plan.seed, "laplace " + std::to_string(k));
+    z.col(k) = posterior.prior.to_standard_normal(normal_sample(posterior, about[d], factors[d], random));
+    log_likelihood[k] = about[d].log_likelihood;
+  }
+  return make_sample_set(posterior.prior, z, log_likelihood, 1);
+}
+
+/// Weights by Z of the modes.
+VectorXd shares_of(const std::vector<LaplaceMode>& modes) {
+  VectorXd log_evidence(std::ssize(modes));
+  for (Index k = 0; k < log_evidence.size(); ++k) log_evidence[k] = *modes[static_cast<std::size_t>(k)].log_evidence;
+  return model_probabilities(log_evidence);
+}
+
+void by_laplace(const InferencePlan& plan, const Posterior& posterior, const VectorXd& start,
+                const SamplingEffort& effort, InferenceOutcome& outcome) {
+  const auto laplace = laplace_approximation(
+      posterior,
+      {.search_likelihoods = effort.search_likelihoods, .seed = plan.seed, .start = start, .threads = effort.threads});
   outcome.method = "normal distribution about the most probable values (Laplace)";
   outcome.warnings.insert(outcome.warnings.end(), laplace.warnings.begin(), laplace.warnings.end());
   outcome.evaluations = laplace.evaluations;
   outcome.most_probable = laplace.mode;
   outcome.log_likelihood = laplace.log_likelihood;
-  outcome.log_evidence = laplace.log_evidence;
-  if (laplace.covariance.size() > 0) outcome.samples = normal_samples(posterior, laplace, plan);
+  outcome.log_evidence = laplace.log_evidence_of_all();
+  outcome.prior_starts = laplace.prior_starts;
+  if (!laplace.log_evidence) {
+    if (!laplace.others.empty())
+      outcome.warnings.emplace_back(
+          "further maxima were found, whose weights beside the highest are not known; sample");
+    if (laplace.covariance.size() == 0) return;
+  }
+  std::vector<LaplaceMode> modes{laplace};
+  if (laplace.log_evidence) modes.insert(modes.end(), laplace.others.begin(), laplace.others.end());
+  const VectorXd shares = modes.size() > 1 ? shares_of(modes) : VectorXd::Ones(1);
+  outcome.samples = normal_samples(posterior, modes, shares, plan);
+  if (modes.size() > 1) outcome.method = "normal distributions about the maxima (Laplace), weighted by their evidence";
+  for (std::size_t k = 0; k < modes.size(); ++k) {
+    const double share = shares[static_cast<Index>(k)];
+    if (share < least_mode_weight) continue;
+    outcome.modes.push_back(
+        {share, modes[k].mode, modes[k].mode, modes[k].covariance.diagonal().cwiseMax(0.0).cwiseSqrt()});
+  }
 }
 
-void by_importance(const InferencePlan& plan, const Posterior& posterior, const VectorXd& start, int threads,
-                   const Progress& progress, InferenceOutcome& outcome) {
-  ImportanceOptions options{
-      .samples = plan.samples, .max_iterations = search_steps, .start = start, .seed = plan.seed, .threads = threads};
+void by_importance(const InferencePlan& plan, const Posterior& posterior, const VectorXd& start,
+                   const SamplingEffort& effort, const Progress& progress, InferenceOutcome& outcome) {
+  ImportanceOptions options{.samples = plan.samples,
+                            .max_iterations = search_steps,
+                            .search_likelihoods = effort.search_likelihoods,
+                            .start = start,
+                            .seed = plan.seed,
+                            .threads = effort.threads};
   auto found = sample_importance(posterior, options, progress);
   outcome.evaluations = found.evaluations;
-  if (!found.reliable()) {  // the search may have ended on a side maximum
+  if (!found.reliable() && options.search_likelihoods == 0) {  // the search may have ended on a side maximum
     options.random_starts = further_starts;
     auto wider = sample_importance(posterior, options, progress);
     outcome.evaluations += wider.evaluations;
@@ -75,6 +118,8 @@ void by_importance(const InferencePlan& plan, const Posterior& posterior, const 
   outcome.log_evidence_deviation = found.log_evidence_deviation;
   outcome.effective_samples = found.effective_samples;
   outcome.pareto_k = found.k_hat;
+  outcome.modes = std::move(found.modes);
+  outcome.prior_starts = found.prior_starts;
   outcome.warnings.insert(outcome.warnings.end(), found.warnings.begin(), found.warnings.end());
 }
 
@@ -96,10 +141,14 @@ void by_tempering(const InferencePlan& plan, const Posterior& posterior, int thr
   if (!found.finished) outcome.warnings.emplace_back("tempering did not reach the posterior: take more samples");
 }
 
-void by_chains(const InferencePlan& plan, const Posterior& posterior, const VectorXd& start, int threads,
-               const Progress& progress, InferenceOutcome& outcome) {
-  const auto pilot =
-      sample_importance(posterior, {.samples = pilot_samples, .start = start, .seed = plan.seed, .threads = threads});
+void by_chains(const InferencePlan& plan, const Posterior& posterior, const VectorXd& start,
+               const SamplingEffort& effort, const Progress& progress, InferenceOutcome& outcome) {
+  const int threads = effort.threads;
+  const auto pilot = sample_importance(posterior, {.samples = pilot_samples,
+                                                   .search_likelihoods = effort.search_likelihoods,
+                                                   .start = start,
+                                                   .seed = plan.seed,
+                                                   .threads = threads});
   const int draws = std::max(50, (plan.samples + chains - 1) / chains);
   const MetropolisOptions options{.chains = chains,
                                   .warm_up = std::max(50, draws / 4),
@@ -113,6 +162,11 @@ void by_chains(const InferencePlan& plan, const Posterior& posterior, const Vect
     if (progress) progress("chains", state.done / all);
   });
   outcome.method = "four adaptive Markov chains";
+  if (pilot.modes.size() > 1)
+    outcome.warnings.push_back(
+        fmt::format("the posterior has {} separate maxima, between which chains do not move: their shares do not hold; "
+                    "take method: importance or tempered",
+                    pilot.modes.size()));
   outcome.samples = std::move(found.samples);
   outcome.convergence = found.convergence;
   outcome.acceptance = found.acceptance.mean();
@@ -135,24 +189,32 @@ void set_most_probable(InferenceOutcome& outcome) {
 
 }  // namespace
 
-void sample_posterior(const InferencePlan& plan, const Posterior& posterior, const VectorXd& start, int threads,
-                      const Progress& progress, InferenceOutcome& outcome) {
+VectorXd InferenceOutcome::centre() const {
+  if (modes.size() > 1) return modes.front().mean;
+  VectorXd means(std::ssize(posterior));
+  for (Index i = 0; i < means.size(); ++i) means[i] = posterior[static_cast<std::size_t>(i)].mean;
+  return means;
+}
+
+void sample_posterior(const InferencePlan& plan, const Posterior& posterior, const VectorXd& start,
+                      const SamplingEffort& effort, const Progress& progress, InferenceOutcome& outcome) {
   switch (plan.method) {
     case PosteriorMethod::filter:
       throw std::logic_error("the filter's posterior is not sampled: take_filter_posterior()");
     case PosteriorMethod::laplace:
-      by_laplace(plan, posterior, start, threads, outcome);
+      by_laplace(plan, posterior, start, effort, outcome);
       break;
     case PosteriorMethod::importance:
-      by_importance(plan, posterior, start, threads, progress, outcome);
+      by_importance(plan, posterior, start, effort, progress, outcome);
       break;
     case PosteriorMethod::tempered:
-      by_tempering(plan, posterior, threads, progress, outcome);
+      by_tempering(plan, posterior, effort.threads, progress, outcome);
       break;
     case PosteriorMethod::metropolis:
-      by_chains(plan, posterior, start, threads, progress, outcome);
+      by_chains(plan, posterior, start, effort, progress, outcome);
       break;
   }
+  if (outcome.modes.size() < 2) outcome.modes.clear();
   set_most_probable(outcome);
   summarise_posterior(outcome);
 }

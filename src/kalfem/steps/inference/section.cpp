@@ -84,7 +84,7 @@ std::string text_of(const InferenceOutcome& outcome) {
   for (const auto& warning : inference_warnings(outcome)) add("Warning: ", warning);
   add("", inference_method_words(outcome));
   if (outcome.before) add("Expected at the prior's centre: ", outcome.before->text);
-  if (outcome.after) add("At the posterior's mean: ", outcome.after->text);
+  if (outcome.after) add("", after_words(outcome));
   add("", filter_words(outcome));
   return text;
 }
@@ -97,6 +97,7 @@ Section inference_section(const InferenceOutcome& outcome) {
     if (!table.rows.empty()) section.items.emplace_back(std::move(table));
   };
   add(posterior_table(outcome));
+  add(mode_table(outcome));
   if (auto picture = corner_plot(outcome)) section.items.emplace_back(std::move(*picture));
   add(convergence_table(outcome));
   add(identifiability_table(outcome));

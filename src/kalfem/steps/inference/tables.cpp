@@ -9,6 +9,7 @@
 
 #include "kalfem/page/display_unit.hpp"
 #include "kalfem/page/words.hpp"
+#include "kalfem/sampling/peak_search.hpp"
 #include "kalfem/steps/inference/outcome.hpp"
 
 namespace kalfem {
@@ -49,6 +50,8 @@ std::string share(double probability) {
   return probability > 0.0 && probability < 1e-4 ? fmt::format("{:.1e}", probability) : per_cent(probability);
 }
 
+std::string whole_per_cent(double share) { return fmt::format("{:.0f} %", 100.0 * share); }
+
 std::string joined(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ", ")); }
 
 /// In a sentence.
@@ -86,11 +89,36 @@ std::string counted(const std::vector<InferredValues>& some, const std::vector<I
   return all.size() == 2 ? "both parameters" : fmt::format("all {} parameters", all.size());
 }
 
+/// "k1 = 30.1 ± 0.8 kN/m, k2 = 39.9 ± 1.1 kN/m" of one mode.
+std::string mode_words(const PosteriorMode& mode, const std::vector<InferredValues>& all) {
+  std::vector<std::string> words;
+  for (std::size_t i = 0; i < std::min(all.size(), most_named); ++i) {
+    const auto row = static_cast<Index>(i);
+    const DisplayUnit shown(all[i].unit, {mode.mean[row], mode.deviation[row]});
+    words.push_back(
+        all[i].name + " = " +
+        with_unit(with_deviation(shown.scaled(mode.mean[row]), shown.scaled(mode.deviation[row])), shown.unit()));
+  }
+  return joined(words) + (all.size() > most_named ? ", ..." : "");
+}
+
+/// Of several modes, between which no values fit.
+std::string modes_words(const InferenceOutcome& outcome, const std::vector<InferredValues>& all) {
+  std::vector<std::string> words;
+  for (std::size_t k = 0; k < std::min(outcome.modes.size(), most_named); ++k)
+    words.push_back(whole_per_cent(outcome.modes[k].weight) + ": " + mode_words(outcome.modes[k], all));
+  return fmt::format(
+      "{} separate sets of values explain the data (modes of the posterior, with their probability). {}{}. "
+      "Another measurement or a narrower prior must tell them apart.",
+      outcome.modes.size(), fmt::join(words, "; "), outcome.modes.size() > most_named ? "; ..." : "");
+}
+
 std::string parameter_words(const InferenceOutcome& outcome) {
   const auto all = inferred_values(outcome);
   if (all.empty()) return "";
   if (outcome.posterior.empty())
     return "There is no posterior" + (outcome.warnings.empty() ? "." : ": " + outcome.warnings.front() + ".");
+  if (outcome.modes.size() > 1) return modes_words(outcome, all);
   std::vector<InferredValues> known, unknown;
   for (const auto& each : all) (each.determined() ? known : unknown).push_back(each);
   std::string text;
@@ -167,8 +195,24 @@ std::string inference_method_words(const InferenceOutcome& outcome) {
   if (const auto& evidence = outcome.log_evidence; evidence && std::isfinite(*evidence))
     text += "; ln Z = " + nats(*evidence, outcome.log_evidence_deviation.value_or(0.0));
   text += fmt::format("; {} likelihoods", outcome.evaluations);
-  if (outcome.evaluations_before > 0) text += fmt::format(" ({} kept from an earlier run)", outcome.evaluations_before);
-  return text + (std::isfinite(outcome.seconds) ? fmt::format(", {:.1f} s.", outcome.seconds) : ".");
+  text += std::isfinite(outcome.seconds) ? fmt::format(", {:.1f} s.", outcome.seconds) : ".";
+  if (const auto search = search_words(outcome); !search.empty()) text += " " + search;
+  return text;
+}
+
+std::string search_words(const InferenceOutcome& outcome) {
+  if (!outcome.prior_starts) return "";
+  if (*outcome.prior_starts == 0)
+    return "Other maxima were not searched for, as a likelihood takes long: method tempered finds them.";
+  return fmt::format(
+      "After {} searches from samples of the prior, a further maximum to which more than {} of the prior leads is "
+      "excluded with 95 %.",
+      *outcome.prior_starts, whole_per_cent(unseen_share(*outcome.prior_starts)));
+}
+
+std::string after_words(const InferenceOutcome& outcome) {
+  const std::string where = outcome.modes.size() > 1 ? "In the heaviest mode: " : "At the posterior's mean: ";
+  return where + outcome.after->text;
 }
 
 std::string filter_words(const InferenceOutcome& outcome) {
@@ -224,6 +268,21 @@ Table posterior_table(const InferenceOutcome& outcome) {
          z && std::isfinite(*z) ? fmt::format("{:+.2f}", *z) : "-"});
   }
   return without_empty_columns(std::move(table));
+}
+
+Table mode_table(const InferenceOutcome& outcome) {
+  Table table{"Modes of the posterior", {"parameter"}, {}, {}};
+  if (outcome.modes.size() < 2) return table;
+  for (const auto& mode : outcome.modes) table.columns.push_back(whole_per_cent(mode.weight));
+  const auto all = inferred_values(outcome);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto row = static_cast<Index>(i);
+    const DisplayUnit shown(all[i].unit, {outcome.modes.front().mean[row], outcome.modes.back().mean[row]});
+    table.rows.push_back({with_unit_in_brackets(all[i].name, shown.unit())});
+    for (const auto& mode : outcome.modes)
+      table.rows.back().push_back(with_deviation(shown.scaled(mode.mean[row]), shown.scaled(mode.deviation[row])));
+  }
+  return table;
 }
 
 Table convergence_table(const InferenceOutcome& outcome) {
