@@ -264,9 +264,9 @@ TEST(SampledSignal, KnowsWhatASplineWouldTake) {
     double images = 0.0;
     for (int k = -50; k <= 50; ++k)
       if (k != 0) images += std::pow(f / (f - k), 4);
-    EXPECT_NEAR(spline_error(samples) / images, 1.0, 0.2) << f;
+    EXPECT_NEAR(kalfem::spline_error(samples) / images, 1.0, 0.2) << f;
   }
-  EXPECT_EQ(spline_error(Eigen::VectorXd::Constant(100, 3.0)), 0.0);
+  EXPECT_EQ(kalfem::spline_error(Eigen::VectorXd::Constant(100, 3.0)), 0.0);
 }
 
 TEST(SampledSignal, KeepsItsSamplesWhereItIsOversampled) {

@@ -108,7 +108,7 @@ void check_widening(const UpdatedValue& parameter, std::vector<Reason>& reasons)
        fmt::format("the standard deviation of parameter '{}' is {:.2g} times too small, because residuals "
                    "are correlated or the measurements contradict each other",
                    parameter.name, parameter.widening),
-       "rely on std_robust in the place of std, and look for what the model misses", VerdictState::suspicious,
+       "rely on std_robust in the place of std, and look for what the model misses", state_of(parameter.widening),
        parameter.widening});
 }
 

@@ -40,9 +40,8 @@ std::tuple<bool, VerdictState, bool, double> order_of(const Reason& reason) {
 
 std::vector<Reason> Verdict::reasons() const {
   auto sorted = reasons_;
-  std::ranges::stable_sort(sorted, [](const Reason& one, const Reason& other) {
-    return order_of(one) > order_of(other);
-  });
+  std::ranges::stable_sort(sorted,
+                           [](const Reason& one, const Reason& other) { return order_of(one) > order_of(other); });
   return sorted;
 }
 
