@@ -172,7 +172,6 @@ INSTANTIATE_TEST_SUITE_P(
                "displacement: 1 mm",
                "  initial_state: ",
                {"a mean is given together with initial_state_from_record"}},
-        Change{"PassesWithoutStart", "chain", "  estimate_initial_state: true\n", "", "passes:", {"estimate.passes"}},
         Change{"AdaptiveNoiseInPasses",
                "chain",
                "  passes: 2\n",

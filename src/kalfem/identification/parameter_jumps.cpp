@@ -121,6 +121,13 @@ private:
     return std::max(0.0, after.excess - added) / std::max(before, 1e-12);
   }
 
+  /// Whether a run with a change leaves so little that nothing else is wrong.
+  [[nodiscard]] bool leaves_little(const EstimationResult& with_it, const EstimationResult& constant) const {
+    const Contradiction before = contradiction(constant), after = contradiction(with_it);
+    const double stated = std::min(before.excess, contradiction(result_).excess);
+    return !after.any || excess_left(after, before) * stated < slight;
+  }
+
   /// Of each of these unknowns, from a run that renews all of them.
   std::vector<UnknownLevels> levels_by(const std::vector<Index>& unknowns) {
     const EstimationResult forgetting = trials_.forgetting(unknowns, stretch_);
@@ -158,7 +165,8 @@ private:
     return clearest ? *clearest : UnknownLevels{.unknown = unknown};
   }
 
-  /// The unknown as a random walk, if that is told by the run.
+  /// The unknown as a random walk, if that is told by the run and leaves nothing to explain: a walk takes up a part of
+  /// what any mistake does, as process noise would.
   std::optional<ParameterJump> drift_of(const UnknownLevels& levels, const EstimationResult& constant) {
     if (!(levels.fits.walk > 0.0) || levels.levels.value.size() < 2) return std::nullopt;
     const EstimationResult walking = trials_.walking(levels.unknown, stretch_, levels.fits.walk);
@@ -175,7 +183,8 @@ private:
     drift.after = transform.to_parameter(course.value[to]);
     drift.deviation = std::hypot(transform.slope(course.value[from]) * course.deviation[from],
                                  transform.slope(course.value[to]) * course.deviation[to]);
-    return told(drift, walking, constant);
+    const auto found = told(drift, walking, constant);
+    return found && leaves_little(walking, constant) ? found : std::nullopt;
   }
 
   std::optional<ParameterJump> jump_of(const UnknownLevels& levels, bool clear, const EstimationResult& constant) {

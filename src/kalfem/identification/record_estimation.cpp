@@ -104,10 +104,10 @@ double relative_nis(const FilteredRecord& filtered) {
   return found.mean_nis / found.expected_nis;
 }
 
-/// Whether a run contradicts itself, though not in the second half of the record.
+/// Whether a run contradicts itself, though not in its last quarter.
 bool was_misled_at_first(const RecordEstimate& estimate) {
   return !estimate.result.failure && contradicts_itself(estimate) &&
-         !innovations_contradict(estimate, std::max(estimate.settled, estimate.measurements.samples() / 2));
+         !innovations_contradict(estimate, std::max(estimate.settled, 3 * estimate.measurements.samples() / 4));
 }
 
 EstimationOptions filter_options(const EstimationProblem& problem, const AugmentedModelSetup& setup,

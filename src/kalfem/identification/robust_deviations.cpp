@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kalfem/identification/widening_by_chance.hpp"
 #include "kalfem/verdict/verdict.hpp"
 
 namespace kalfem {
@@ -12,6 +13,34 @@ namespace kalfem {
 using Eigen::Index;
 
 namespace {
+
+double widening_of(const RecordEstimate& estimate, Index place) {
+  const auto& history = estimate.result.unknowns_history;
+  const double stated = history.covariance_at(history.last())(place, place);
+  return stated > 0.0 ? std::sqrt(estimate.robust.covariance(place, place) / stated) : 1.0;
+}
+
+/// Whether the scores widen a deviation by what matters.
+bool widens(const RecordEstimate& estimate) {
+  for (Index i = 0; i < estimate.robust.covariance.rows(); ++i)
+    if (widening_of(estimate, i) > suspicious_widening) return true;
+  return false;
+}
+
+/// Of a run whose innovations agree with the model, the stated deviation holds where chance widens it as far.
+void forgive_chance(RecordEstimate& estimate) {
+  if (!widens(estimate) || innovations_contradict(estimate, estimate.settled)) return;
+  const auto& history = estimate.result.unknowns_history;
+  const auto innovations = sensitive_innovations(history, estimate.settled);
+  if (innovations.derivative.empty()) return;
+  const Eigen::VectorXd chance = widening_by_chance(innovations, prior_score(history).information);
+  for (Index i = 0; i < chance.size(); ++i) {
+    const double found = widening_of(estimate, i);
+    if (found < suspicious_widening || found > chance[i]) continue;
+    estimate.robust.covariance.row(i) /= found;
+    estimate.robust.covariance.col(i) /= found;
+  }
+}
 
 /// Frequency bands of a run whose numbers agree with its model contradict each other by chance only.
 void widen_by_bands(RecordEstimate& estimate) {
@@ -30,13 +59,7 @@ bool innovations_contradict(const RecordEstimate& estimate, Index first) {
 }
 
 bool contradicts_itself(const RecordEstimate& estimate) {
-  const auto& history = estimate.result.unknowns_history;
-  if (!history.empty() && estimate.robust.covariance.size() > 0) {
-    const auto stated = history.covariance_at(history.last());
-    for (Index i = 0; i < stated.rows(); ++i)
-      if (estimate.robust.covariance(i, i) > suspicious_widening * suspicious_widening * stated(i, i)) return true;
-  }
-  return innovations_contradict(estimate, estimate.settled);
+  return widens(estimate) || innovations_contradict(estimate, estimate.settled);
 }
 
 InnovationRecord innovations_of(const Record& measured, const EstimationResult& result, Index first) {
@@ -70,6 +93,7 @@ void set_robust_deviations(RecordEstimate& estimate) {
   estimate.robust_deviation.setConstant(static_cast<Index>(unknowns.size()), std::numeric_limits<double>::quiet_NaN());
   if (estimate.result.failure || history.empty()) return;
   estimate.robust = robust_covariance(history);
+  forgive_chance(estimate);
   widen_by_bands(estimate);
   for (std::size_t i = 0; i < history.unknowns.size(); ++i) {
     const Index unknown = history.unknowns[i], place = static_cast<Index>(i);

@@ -52,7 +52,8 @@ double spline_error(const Eigen::Ref<const VectorXd>& signal) {
   double below = 0.0, lost = 0.0;
   for (int i = 1; i <= bands; ++i) {
     const double to = 0.5 * i / bands, middle = to - 0.25 / bands, up_to = spectrum.mean_square_below(to);
-    lost += (up_to - below) * std::pow(middle / (1.0 - middle), 8);
+    const double taken = std::pow(middle / (1.0 - middle), 4) + std::pow(middle / (1.0 + middle), 4);
+    lost += (up_to - below) * taken * taken;
     below = up_to;
   }
   return below > 0.0 ? std::sqrt(lost / below) : 0.0;

@@ -14,8 +14,8 @@ double share_above_quarter(const Eigen::Ref<const Eigen::VectorXd>& signal);
 bool is_fast(const Eigen::Ref<const Eigen::VectorXd>& signal);
 
 /// What a cubic spline through the samples takes from the signal, as a part of its rms. Of content at the part f of the
-/// sampling rate it takes about e = (f / (1 - f))^4, and shows as much at the image 1 - f of it (Unser 1999, IEEE
-/// Signal Processing Magazine 16(6), 22-38):
+/// sampling rate it takes about e = (f / (1 - f))^4 + (f / (1 + f))^4, and shows as much at images of it (Unser 1999,
+/// IEEE Signal Processing Magazine 16(6), 22-38):
 ///     sqrt(sum S(f) e(f)^2 / sum S(f)).
 /// 0 for fewer than 32 samples.
 double spline_error(const Eigen::Ref<const Eigen::VectorXd>& signal);

@@ -223,8 +223,7 @@ std::vector<PosteriorMode> modes_of(const std::vector<Part>& about_peaks, const 
     const auto [mean, covariance] = moments(result.samples.values, own / own.sum());
     modes.push_back({own.sum(), peaks[d], mean, covariance.diagonal().cwiseMax(0.0).cwiseSqrt()});
   }
-  std::ranges::stable_sort(modes, std::greater(), &PosteriorMode::weight);
-  return modes;
+  return told_apart(std::move(modes));
 }
 
 /// The samples since the proposal was last fitted, and the `parts` that proposed them.

@@ -94,6 +94,7 @@ void by_laplace(const InferencePlan& plan, const Posterior& posterior, const Vec
     outcome.modes.push_back(
         {share, modes[k].mode, modes[k].mode, modes[k].covariance.diagonal().cwiseMax(0.0).cwiseSqrt()});
   }
+  outcome.modes = told_apart(std::move(outcome.modes));
 }
 
 void by_importance(const InferencePlan& plan, const Posterior& posterior, const VectorXd& start,
