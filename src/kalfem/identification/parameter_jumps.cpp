@@ -89,7 +89,9 @@ public:
     if (hints_.empty() || hints_.front().statistic < worth_a_run) return {};
     const auto clearest = clearest_levels();
     const bool contradictory = contradiction(result_).excess > slight;
-    if (limited_ && !clearest && contradictory) return {.stopped = trials_.stopped()};
+    // What no course of the unknowns explains is another mistake, which the rest of the budget is for.
+    const bool another_mistake = !clearest || left_by_forgetting_ > most_left;
+    if (limited_ && contradictory && another_mistake) return {.stopped = trials_.stopped()};
     // Within a limited budget a change is compared with the run of the estimate itself, where that contradicts the
     // record by more than what fewer substeps add.
     const EstimationResult constant = limited_ && contradictory ? result_ : trials_.without_change();
@@ -133,6 +135,8 @@ private:
     const EstimationResult forgetting = trials_.forgetting(unknowns, stretch_);
     std::vector<UnknownLevels> all;
     if (trials_.stopped()) return all;
+    if (unknowns.size() == unknowns_.size())
+      left_by_forgetting_ = excess_left(contradiction(forgetting), contradiction(result_));
     for (const Index unknown : unknowns) {
       UnknownLevels each{.unknown = unknown};
       each.levels = levels_of(forgetting, augmented_model_.layout().unknown() + unknown,
@@ -253,6 +257,7 @@ private:
   const std::vector<Index>& unknowns_;
   std::vector<ChangeHint> hints_;
   std::optional<ChangeHint> by_contrast_ = {};  ///< another unknown, whose estimates show two levels most clearly
+  double left_by_forgetting_ = 0.0;             ///< of the excess of NIS, where all unknowns may take any course
   bool limited_;
   Index stretch_;
   ChangeTrials trials_;
