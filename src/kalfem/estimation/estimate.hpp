@@ -27,8 +27,9 @@ struct EstimationOptions {
   FilterKind filter = FilterKind::unscented;
   UnscentedOptions unscented = {};
   int threads = 1;  ///< of the filter, where it is partially linear and large; results do not depend on it
-  int passes = 1;   ///< runs over the record; each further one starts from the last one's parameters and initial
-                    ///< state under the first prior's covariance (needs AugmentedModelOptions::keep_initial_state)
+  int passes = 1;   ///< runs over the record; each further one starts from the last one's parameters, under
+                    ///< narrow_prior() or, with AugmentedModelOptions::keep_initial_state, from its initial state too
+                    ///< under the first prior's covariance
   /// Means of every state at every sample, beside those of unknowns and internal states; without them at the last one.
   bool state_means = true;
   /// Standard deviations of every state at every sample, beside those of unknowns and internal states. In modal
