@@ -5,12 +5,16 @@
 #include <cmath>
 #include <limits>
 
-#include "kalfem/identification/widening_by_chance.hpp"
+#include "kalfem/base/random.hpp"
+#include "kalfem/linalg/scaled_inverse.hpp"
+#include "kalfem/statistics/robust_covariance.hpp"
 #include "kalfem/verdict/verdict.hpp"
 
 namespace kalfem {
 
 using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
 namespace {
 
@@ -27,13 +31,54 @@ bool widens(const RecordEstimate& estimate) {
   return false;
 }
 
+constexpr int records = 99;
+
+/// The derivatives of the innovations that are there, p x sensors a sample.
+std::vector<MatrixXd> slopes_of(const SensitiveInnovations& innovations) {
+  const Index count = std::ssize(innovations.derivative), samples = innovations.value.cols();
+  std::vector<MatrixXd> slopes(static_cast<std::size_t>(samples), MatrixXd::Zero(count, innovations.value.rows()));
+  for (Index k = 0; k < samples; ++k)
+    for (Index j = 0; j < innovations.value.rows(); ++j)
+      for (Index i = 0; i < count && std::isfinite(innovations.value(j, k)); ++i)
+        slopes[static_cast<std::size_t>(k)](i, j) = innovations.derivative[static_cast<std::size_t>(i)](j, k);
+  return slopes;
+}
+
+/// How far robust_covariance() widens the deviations of a right model by chance: the largest factor of each parameter
+/// over 99 records in which the innovations are white and of size one, with the derivatives of this record, so that it
+/// is exceeded once in a hundred times. Where a record says little of a parameter, its score is a small difference of
+/// large ones, and the scatter of these along time is itself hardly known. The numbers are drawn from one seed: the
+/// same record gives the same factors. `prior`: the information of the prior, p x p.
+VectorXd widening_by_chance(const SensitiveInnovations& innovations, const Eigen::Ref<const MatrixXd>& prior) {
+  const auto slopes = slopes_of(innovations);
+  const Index count = prior.rows(), samples = std::ssize(slopes), sensors = innovations.value.rows();
+  MatrixXd information = prior;
+  for (const auto& slope : slopes) information += slope * slope.transpose();
+  const MatrixXd covariance = scaled_inverse(information);
+  MatrixXd shares(count, samples), scores(count, samples);
+  for (Index k = 0; k < samples; ++k)
+    shares.col(k) =
+        (covariance * slopes[static_cast<std::size_t>(k)]).rowwise().squaredNorm().cwiseQuotient(covariance.diagonal());
+  RandomStream random(1, "widening by chance");
+  VectorXd largest = VectorXd::Ones(count), innovation(sensors);
+  for (int record = 0; record < records; ++record) {
+    for (Index k = 0; k < samples; ++k) {
+      for (double& value : innovation) value = random.normal();
+      scores.col(k) = -slopes[static_cast<std::size_t>(k)] * innovation;
+    }
+    const MatrixXd robust = robust_covariance(information, prior, scores, shares).covariance;
+    largest = largest.cwiseMax(robust.diagonal().cwiseQuotient(covariance.diagonal()).cwiseMax(0.0).cwiseSqrt());
+  }
+  return largest;
+}
+
 /// Of a run whose innovations agree with the model, the stated deviation holds where chance widens it as far.
 void forgive_chance(RecordEstimate& estimate) {
   if (!widens(estimate) || innovations_contradict(estimate, estimate.settled)) return;
   const auto& history = estimate.result.unknowns_history;
   const auto innovations = sensitive_innovations(history, estimate.settled);
   if (innovations.derivative.empty()) return;
-  const Eigen::VectorXd chance = widening_by_chance(innovations, prior_score(history).information);
+  const VectorXd chance = widening_by_chance(innovations, prior_score(history).information);
   for (Index i = 0; i < chance.size(); ++i) {
     const double found = widening_of(estimate, i);
     if (found < suspicious_widening || found > chance[i]) continue;

@@ -10,9 +10,10 @@
 #include "kalfem/base/random.hpp"
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/base/units.hpp"
+#include "kalfem/identification/expected_record.hpp"
+#include "kalfem/identification/record_estimate.hpp"
 #include "kalfem/information/identifiability.hpp"
 #include "kalfem/placement/expected_information.hpp"
-#include "kalfem/placement/filter_check.hpp"
 
 namespace kalfem {
 
@@ -23,6 +24,47 @@ using Set = std::vector<std::size_t>;
 namespace {
 
 constexpr std::size_t most_best = 20;
+
+/// Substeps bias estimates, and these are known here: their deviations hardly depend on the step.
+constexpr int enough_for_deviations = 8;
+
+EstimationProblemPtr problem_with(const PlacementProblem& placement, const Set& set) {
+  std::vector<CandidateSensor> sensors;
+  for (const auto i : set) sensors.push_back(placement.candidates[i]);
+  EstimationProblem problem = *with_sensors(*placement.problem, sensors);
+  auto& settings = problem.settings;
+  settings.local.reset();
+  settings.likelihood_unknowns.clear();
+  settings.adaptive_noise = {};
+  settings.outliers = OutlierTreatment::keep;
+  settings.diagnose = settings.smooth = false;
+  settings.threads = 1;
+  if (!settings.substeps) settings.substeps = enough_for_deviations;
+  return std::make_shared<const EstimationProblem>(std::move(problem));
+}
+
+/// Deviations of the counted unknowns after a run of the filter over the expected record of a set, in which noise is
+/// stated but not added; empty where the filter fails.
+VectorXd deviation_by_filter(const PlacementProblem& placement, const Set& set) try {
+  const auto problem = problem_with(placement, set);
+  const auto record = expected_record(problem, placement.drive, {}, VectorXd());
+  if (!record) return {};
+  IssueList issues;
+  const auto setup = make_augmented_model_setup(*problem, problem->structure->parts, {}, issues);
+  issues.raise();
+  const auto estimate = estimate_record(problem, setup, *record);
+  if (estimate.result.failure) return {};
+  VectorXd deviation(static_cast<Index>(placement.counted));
+  const auto& unknowns = estimate.augmented_model->options().unknowns;
+  for (std::size_t i = 0; i < placement.counted; ++i) {
+    const auto found = std::ranges::find(unknowns, placement.unknowns[i], &UnknownParameter::name);
+    deviation[static_cast<Index>(i)] =
+        estimate.result.unknowns.deviation(found - unknowns.begin(), estimate.result.unknowns.deviation.cols() - 1);
+  }
+  return deviation;
+} catch (const InvalidInput&) {
+  return {};
+}
 
 /// Chooses the sets, then what a reader wants to know of the choice.
 class PlacementRun {

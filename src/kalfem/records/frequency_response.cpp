@@ -7,6 +7,7 @@
 #include <unsupported/Eigen/FFT>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/records/record_spectra.hpp"
 
 namespace kalfem {
 namespace {
@@ -48,22 +49,12 @@ void check_options(const H1Options& options, IssueList& issues) {
     issues.add({}, "segments overlap by " + std::to_string(options.overlap), "the overlap must lie in [0, 0.95]");
 }
 
-void check_channels(const Record& record, const std::vector<std::string>& names, IssueList& issues) {
-  std::vector<std::string> known;
-  for (const auto& channel : record.channels) known.push_back(channel.name);
-  for (const auto& name : names)
-    if (record.find(name) < 0)
-      issues.add({}, "the record has no channel '" + name + "'" + did_you_mean(name, known));
-    else if (!record.values.row(record.find(name)).allFinite())
-      issues.add({}, "channel '" + name + "' holds values that are not finite", "a spectrum needs every sample");
-}
-
 void check(std::span<const Record> records, std::vector<std::string> names, const H1Options& options) {
   IssueList issues;
   check_options(options, issues);
   Index longest = 0;
   for (const auto& record : records) {
-    check_channels(record, names, issues);
+    check_spectral_channels(record, names, issues);
     longest = std::max(longest, record.samples());
     if (std::abs(record.sample_rate / records.front().sample_rate - 1.0) > 1e-6)
       issues.add({},

@@ -32,13 +32,7 @@ Index fast_length_within(Index n) {
 
 void check(const Record& record, const std::vector<std::string>& names) {
   IssueList issues;
-  std::vector<std::string> known;
-  for (const auto& channel : record.channels) known.push_back(channel.name);
-  for (const auto& name : names)
-    if (record.find(name) < 0)
-      issues.add({}, "the record has no channel '" + name + "'" + did_you_mean(name, known));
-    else if (!record.values.row(record.find(name)).allFinite())
-      issues.add({}, "channel '" + name + "' holds values that are not finite", "a spectrum needs every sample");
+  check_spectral_channels(record, names, issues);
   if (record.samples() < fewest_samples)
     issues.add({}, "the record has " + std::to_string(record.samples()) + " samples",
                "a frequency response needs at least " + std::to_string(fewest_samples));
@@ -59,6 +53,16 @@ double edge_level(const VectorXd& samples) {
 }
 
 }  // namespace
+
+void check_spectral_channels(const Record& record, const std::vector<std::string>& names, IssueList& issues) {
+  std::vector<std::string> known;
+  for (const auto& channel : record.channels) known.push_back(channel.name);
+  for (const auto& name : names)
+    if (record.find(name) < 0)
+      issues.add({}, "the record has no channel '" + name + "'" + did_you_mean(name, known));
+    else if (!record.values.row(record.find(name)).allFinite())
+      issues.add({}, "channel '" + name + "' holds values that are not finite", "a spectrum needs every sample");
+}
 
 RecordSpectra record_spectra(const Record& record, const std::string& input, const std::vector<std::string>& outputs) {
   std::vector<std::string> names = outputs;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "kalfem/base/invalid_input.hpp"
 #include "kalfem/records/record.hpp"
 
 namespace kalfem {
@@ -25,5 +26,8 @@ struct RecordSpectra {
 
 /// Throws InvalidInput where a channel is missing, holds values that are not finite, or has fewer than 128 samples.
 RecordSpectra record_spectra(const Record& record, const std::string& input, const std::vector<std::string>& outputs);
+
+/// Adds an issue for each name that the record has no channel of, and for each channel with a value that is not finite.
+void check_spectral_channels(const Record& record, const std::vector<std::string>& names, IssueList& issues);
 
 }  // namespace kalfem
