@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Fails where a file of src/kalfem includes a folder that its own may not use.
+"""Fails where a file of src/kalfem includes a folder that its own may not use, and where two headers define one type.
 
 ALLOWED is the picture of docs/architecture.md as a table: a folder, and all that its files may include beside their own.
 """
@@ -35,7 +35,7 @@ CORE = LIBRARY - {"formats", "verdict"}
 ALLOWED["identification"] = CORE | {"verdict"}
 ALLOWED["placement"] = CORE | {"identification"}
 ALLOWED["casefile"] = LIBRARY | {"identification", "yaml"}
-ALLOWED["study"] = ALLOWED["casefile"] | {"casefile"}
+ALLOWED["study"] = ALLOWED["casefile"] | {"casefile", "placement"}
 ALLOWED["diagnosis"] = CORE | {"identification", "verdict"}
 ALLOWED["api"] = ALLOWED["diagnosis"] | {"diagnosis", "placement"}
 ALLOWED["pictures"] = CORE | {"identification"}
@@ -43,6 +43,8 @@ ALLOWED["page"] = NUMERICS | {"statistics", "records", "verdict", "pictures"}
 ALLOWED["steps"] = LIBRARY | {"identification", "placement", "diagnosis", "study", "pictures", "page"}
 ALLOWED["report"] = ALLOWED["steps"] | {"steps"}
 INCLUDE = re.compile(r'#include "kalfem/(\w+)/')
+NAMESPACE = re.compile(r"^namespace ([\w:]+) \{")
+TYPE = re.compile(r"^(?:struct|class|enum class) (\w+)(?: final)?(?: :.*)? \{")
 
 
 def violations(root):
@@ -57,9 +59,25 @@ def violations(root):
                 yield f"{path}:{number}: {folder} may not include {match[1]}"
 
 
+def doubled_types(root):
+    """Types of one namespace with two definitions: a program that has both is wrong, and no linker says so."""
+    first = {}
+    for path in sorted(root.rglob("*.hpp")):
+        namespace = ""
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            if match := NAMESPACE.match(line):
+                namespace = match[1]
+            elif match := TYPE.match(line):
+                name = f"{namespace}::{match[1]}"
+                if name in first:
+                    yield f"{path}:{number}: {name} is defined in {first[name]} already"
+                first.setdefault(name, f"{path}:{number}")
+
+
 def main():
-    found = list(violations(pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else "src/kalfem")))
-    print("\n".join(found) if found else "every include is allowed")
+    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else "src/kalfem")
+    found = [*violations(root), *doubled_types(root)]
+    print("\n".join(found) if found else "every include is allowed, every type has one definition")
     return 1 if found else 0
 
 

@@ -125,14 +125,14 @@ PlacementProblem problem_of(const Structure& structure, const PlaceOptions& opti
   return placement;
 }
 
-SensorSet set_of(const Placement& found, const PlacedSet& set, Eigen::VectorXd by_filter = {}) {
+SensorSet set_of(const SensorChoice& found, const PlacedSet& set, Eigen::VectorXd by_filter = {}) {
   return {found.names(set), set.rank, set.criterion, set.bound, std::move(by_filter)};
 }
 
 }  // namespace
 
 PlaceResult place(const Structure& structure, const PlaceOptions& options) {
-  const Placement found = place(problem_of(structure, options), options.progress);
+  const SensorChoice found = place(problem_of(structure, options), options.progress);
   if (!found.failure.empty())
     throw InvalidInput(found.failure, "the choice rests on simulations", "look at the initial values of the unknowns");
   PlaceResult result{.parameters = found.parameters,

@@ -71,7 +71,7 @@ class PlacementRun {
 public:
   PlacementRun(const PlacementProblem& problem, const Progress& progress) : problem_(problem), progress_(progress) {}
 
-  Placement run() {
+  SensorChoice run() {
     const Stopwatch watch;
     describe();
     if (compute_information()) {
@@ -255,18 +255,18 @@ private:
   const PlacementProblem& problem_;
   const Progress& progress_;
   std::optional<ExpectedInformation> at_initial_, expected_;
-  Placement found_;
+  SensorChoice found_;
 };
 
 }  // namespace
 
-std::vector<std::string> Placement::names(const PlacedSet& set) const {
+std::vector<std::string> SensorChoice::names(const PlacedSet& set) const {
   std::vector<std::string> names;
   for (const auto i : set.candidates) names.push_back(candidates[i].name);
   return names;
 }
 
-Placement place(const PlacementProblem& problem, const Progress& progress) {
+SensorChoice place(const PlacementProblem& problem, const Progress& progress) {
   return PlacementRun(problem, progress).run();
 }
 

@@ -58,7 +58,7 @@ struct CandidateRank {
 };
 
 /// Where sensors tell most of the parameters.
-struct Placement {
+struct SensorChoice {
   std::vector<CandidateRank> candidates;
   std::vector<std::string> parameters, units;
   Eigen::VectorXd prior;  ///< deviation of each parameter [unit]
@@ -82,6 +82,6 @@ struct Placement {
 ///     I = I_cc - I_co (I_oo + P_o^-1)^-1 I_oc,
 /// and runs the filter over the expected records of some sets, which shows what process noise and an unknown start
 /// hide. Throws InvalidInput as candidate_information() and place_sensors() do.
-Placement place(const PlacementProblem& problem, const Progress& progress = {});
+SensorChoice place(const PlacementProblem& problem, const Progress& progress = {});
 
 }  // namespace kalfem

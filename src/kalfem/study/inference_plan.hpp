@@ -61,10 +61,6 @@ struct InferencePlan {
   SourceLocation location = {};
 };
 
-/// The distribution that a case gives an unknown before the data: normal, of a positive one log-normal about its
-/// initial value, cut at its bounds.
-MarginalPrior prior_of(const Unknown& unknown);
-
 /// The plan of a case with `infer`. Problems go to `issues` with their place.
 InferencePlan make_inference_plan(const CaseStudy& study, IssueList& issues);
 

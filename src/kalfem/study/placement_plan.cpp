@@ -8,9 +8,9 @@
 
 #include "kalfem/identification/expected_record.hpp"
 #include "kalfem/identification/filter_run.hpp"
+#include "kalfem/identification/unknown_prior.hpp"
 #include "kalfem/study/candidate_nodes.hpp"
 #include "kalfem/study/case_study.hpp"
-#include "kalfem/study/inference_plan.hpp"
 #include "kalfem/study/stated_prior.hpp"
 #include "kalfem/yaml/bounds.hpp"
 
@@ -391,6 +391,7 @@ PlacementPlan make_placement_plan(const CaseStudy& study, IssueList& issues) {
     check_excitation_is_known(*study.problem, issues);
   CandidateReader(study, plan, issues).read();
   if (!study.problem) return plan;
+  plan.problem = study.problem;
   try {
     set_unknowns(study, plan, issues);
   } catch (const InvalidInput& error) {

@@ -6,6 +6,6 @@
 namespace kalfem {
 
 /// Where sensors tell most of the parameters.
-using PlacementOutcome = Placement;
+using PlacementOutcome = SensorChoice;
 
 }  // namespace kalfem

@@ -5,26 +5,6 @@
 
 namespace kalfem {
 
-namespace {
-
-PlacementProblem problem_of(const Study& study) {
-  const auto& plan = *study.placement;
-  return {.problem = study.problem,
-          .candidates = plan.candidates,
-          .own = plan.own,
-          .unknowns = plan.unknowns,
-          .units = plan.units,
-          .initial = plan.initial,
-          .prior = plan.prior,
-          .counted = plan.counted,
-          .options = plan.options,
-          .draws = plan.draws,
-          .seed = plan.seed,
-          .drive = plan.drive};
-}
-
-}  // namespace
-
 RunStep placement_step() {
   return {.name = "place",
           .meaning = "where to put sensors",
@@ -36,7 +16,7 @@ RunStep placement_step() {
               },
           .run =
               [](RunContext& context) {
-                const auto& outcome = context.results.put(place(problem_of(context.study), context.job.begin("place")));
+                const auto& outcome = context.results.put(place(*context.study.placement, context.job.begin("place")));
                 context.results.failure = outcome.failure;
               },
           .ran = &has_outcome<PlacementOutcome>,
