@@ -49,7 +49,7 @@ void check_options(const H1Options& options, IssueList& issues) {
     issues.add({}, "segments overlap by " + std::to_string(options.overlap), "the overlap must lie in [0, 0.95]");
 }
 
-void check(std::span<const Record> records, std::vector<std::string> names, const H1Options& options) {
+void check(std::span<const Record> records, const std::vector<std::string>& names, const H1Options& options) {
   IssueList issues;
   check_options(options, issues);
   Index longest = 0;
