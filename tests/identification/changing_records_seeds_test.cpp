@@ -120,7 +120,7 @@ TEST(ChangingRecords, DriftsAreNamedFirstAndAreNoJumps) {
     const RecordEstimate estimate = estimate_of(made);
     const bool drift = is_first(estimate, "parameter_drift", made.changing);
     named += drift ? 1 : 0;
-    jumps += estimate.jump && !is_drift(*estimate.jump) ? 1 : 0;
+    jumps += estimate.jump && !estimate.jump->is_drift() ? 1 : 0;
     if (!drift) std::printf("record %d: drift of %.1f %% of %s\n", seed, 100.0 * size, made.changing.c_str());
   }
   std::printf("drifts: %d of %d named first, %d as a jump\n", named, all, jumps);

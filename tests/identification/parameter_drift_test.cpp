@@ -104,7 +104,7 @@ TEST_P(Drifts, AreNamedFirst) {
   EXPECT_NE(reasons.front().remedy.find("random_walk: "), std::string::npos) << reasons.front().remedy;
   EXPECT_FALSE(diagnosis.has_value());  // nothing else is to be explained
   ASSERT_EQ(estimate.events.size(), 1U);
-  EXPECT_EQ(kind_of(estimate.events[0]), "drift");
+  EXPECT_EQ(estimate.events[0].kind, EventKind::drift);
   ASSERT_TRUE(estimate.jump.has_value());
   const auto& [event, drift] = std::pair(estimate.events[0], *estimate.jump);
   const auto truth = [&](double time) { return 50e3 * GetParam().factor(time / 20.0); };
@@ -129,9 +129,9 @@ TEST(ParameterDrift, IsWhatADropIsNot) {
   EXPECT_EQ(reasons.front().code, "parameter_jump");
   EXPECT_EQ(reasons.front().subject, made.changing);
   ASSERT_TRUE(estimate.jump.has_value());
-  EXPECT_FALSE(is_drift(*estimate.jump));
+  EXPECT_FALSE(estimate.jump->is_drift());
   EXPECT_NEAR(estimate.measurements.time(estimate.jump->sample), 8.0, 0.1);
-  EXPECT_EQ(kind_of(estimate.events[0]), "jump");
+  EXPECT_EQ(estimate.events[0].kind, EventKind::jump);
 }
 
 /// A spike of 900 deviations among good samples throws the filter away for long; it is an event and no reason.

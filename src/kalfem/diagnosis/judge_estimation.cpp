@@ -172,8 +172,8 @@ const std::string& unit_of(const RecordEstimate& estimate, const ParameterJump& 
 std::vector<Reason> reasons_of_change(const RecordEstimate& estimate, VerdictState others) {
   std::vector<Reason> reasons;
   for (const auto& event : estimate.events) {
-    if (event.kind != EventKind::jump) continue;
-    const bool drifts = is_drift(event);
+    if (!event.is_change()) continue;
+    const bool drifts = event.kind == EventKind::drift;
     const std::string remedy =
         drifts ? fmt::format("estimate it as a random walk: state random_walk: {:.2g} (in {}/sqrt(s)) for '{}'",
                              random_walk_of(event, *estimate.jump), unit_of(estimate, *estimate.jump), event.channel)

@@ -10,8 +10,8 @@ namespace kalfem {
 SensorEvent event_of(const ParameterJump& change, const UnknownParameter& unknown, const Record& record) {
   const double difference = change.after - change.before;
   const double from = record.time(change.earliest), to = record.time(change.latest);
-  if (is_drift(change))
-    return {.kind = EventKind::jump,
+  if (change.is_drift())
+    return {.kind = EventKind::drift,
             .channel = unknown.name,
             .from = from,
             .to = to,

@@ -8,12 +8,13 @@
 
 namespace kalfem {
 
-/// An unknown that has one value before a time and another one from it on.
+/// An unknown that has one value before a time and another one from it on, or drifts from one to the other.
 struct ParameterJump {
   Eigen::Index unknown = 0;  ///< its place among all unknowns
-  Eigen::Index sample = 0;   ///< the first one with the new value
+  Eigen::Index sample = 0;   ///< the first one with the new value; of a drift, which has no such place, 0
   /// 95 % interval of that sample, as far as other places were tried: there the log-likelihood is lower by 3.7, which
   /// the largest of a walk with that drift exceeds once in twenty times (Siegmund 1988, Int. Stat. Review 56, 31-48).
+  /// Of a drift the samples between which its course goes furthest, from `before` to `after`.
   Eigen::Index earliest = 0, latest = 0;
   double before = 0.0, after = 0.0;  ///< its estimates from the samples before, and at the end [its unit]
   double deviation = 0.0;            ///< standard deviation of after - before [its unit]
@@ -22,6 +23,8 @@ struct ParameterJump {
   double gain = 0.0;
   /// Whether innovations of the run with the jump agree with the model, so that nothing else is to be explained.
   bool explains = false;
+
+  [[nodiscard]] bool is_drift() const { return sample == 0; }
 };
 
 struct JumpSearchResult {

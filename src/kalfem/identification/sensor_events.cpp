@@ -174,6 +174,8 @@ std::string to_string(EventKind kind) {
       return "outliers";
     case EventKind::jump:
       return "jump";
+    case EventKind::drift:
+      return "drift";
   }
   return "";
 }

@@ -17,7 +17,8 @@ enum class EventKind {
   stuck,      ///< constant for a while
   saturated,  ///< held at the channel's extremes while the structure moves beyond them
   outliers,   ///< single samples far from their prediction
-  jump        ///< an unknown of the model changes, see find_parameter_jump()
+  jump,       ///< an unknown of the model changes at once, see find_parameter_jump()
+  drift       ///< an unknown of the model changes slowly
 };
 
 std::string to_string(EventKind kind);
@@ -25,15 +26,18 @@ std::string to_string(EventKind kind);
 /// Part of a channel that the estimates do not rest on, or only partly.
 struct SensorEvent {
   EventKind kind = EventKind::missing;
-  std::string channel = {};                ///< empty: every channel; of a jump the unknown
+  std::string channel = {};                ///< empty: every channel; of a change of the model the unknown
   double from = 0.0, to = 0.0;             ///< first and last sample of it [s]
   Eigen::Index count = 0;                  ///< samples
   std::string text = {};                   ///< one sentence
   std::vector<Eigen::Index> samples = {};  ///< of the channel; empty where they hold no number anyway
 
+  /// Whether it is the model that changes: every sensor measures what it should.
+  [[nodiscard]] bool is_change() const { return kind == EventKind::jump || kind == EventKind::drift; }
+
   /// Whether the sensor does not measure what it should. The filter allows for missing samples exactly.
   [[nodiscard]] bool is_fault() const {
-    return kind != EventKind::missing && kind != EventKind::dropout && kind != EventKind::jump;
+    return kind != EventKind::missing && kind != EventKind::dropout && !is_change();
   }
 };
 

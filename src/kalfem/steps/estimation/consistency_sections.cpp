@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kalfem/identification/parameter_drift.hpp"
 #include "kalfem/page/chart_series.hpp"
 #include "kalfem/page/words.hpp"
 #include "kalfem/statistics/quantiles.hpp"
@@ -100,7 +99,7 @@ Section open_loop_section(const EstimationOutcome& outcome) {
 Section events_section(const std::vector<SensorEvent>& events) {
   Table table{"", {"sensor or unknown", "event", "from", "to", "samples", "found"}, {}, {}};
   for (const auto& event : events)
-    table.rows.push_back({event.channel.empty() ? "all" : event.channel, kind_of(event),
+    table.rows.push_back({event.channel.empty() ? "all" : event.channel, to_string(event.kind),
                           fmt::format("{:.6g} s", event.from), fmt::format("{:.6g} s", event.to),
                           std::to_string(event.count), event.text});
   return {"Events in the record", "", {table}};

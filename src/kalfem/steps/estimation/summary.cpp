@@ -7,7 +7,6 @@
 #include <string>
 
 #include "kalfem/diagnosis/judge_estimation.hpp"
-#include "kalfem/identification/parameter_drift.hpp"
 #include "kalfem/identification/stated_interval.hpp"
 #include "kalfem/identification/walked_range.hpp"
 #include "kalfem/page/json_number.hpp"
@@ -238,12 +237,14 @@ Json smoothed_summary(const EstimationOutcome& outcome) {
 Json events_summary(const RecordEstimate& estimate) {
   Json all = Json::array();
   for (const auto& event : estimate.events) {
-    const bool jump = event.kind == EventKind::jump;
-    Json each{
-        {"kind", kind_of(event)},     {"channel", event.channel.empty() || jump ? Json(nullptr) : Json(event.channel)},
-        {"from", number(event.from)}, {"to", number(event.to)},
-        {"count", event.count},       {"text", event.text}};
-    if (jump) {
+    const bool change = event.is_change();
+    Json each{{"kind", to_string(event.kind)},
+              {"channel", event.channel.empty() || change ? Json(nullptr) : Json(event.channel)},
+              {"from", number(event.from)},
+              {"to", number(event.to)},
+              {"count", event.count},
+              {"text", event.text}};
+    if (change) {
       each["unknown"] = event.channel;
       each["before"] = number(estimate.jump->before);
       each["after"] = number(estimate.jump->after);
