@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <numbers>
+
 #include "casefile/probes.hpp"
 #include "kalfem/system/signals/deterministic.hpp"
 #include "kalfem/system/signals/ground_motion.hpp"
@@ -226,6 +229,12 @@ void targets() {
   near(system_of(ground).inputs[0].rate, vector({4.0, 0.0}));
   EXPECT_EQ(system_of(ground).inputs[0].unit, "m");
   near(signal_at(ground, 0.2)[0], 2e-3);
+  // Of a swinging velocity V sin(w t) the displacement is -V / w cos(w t).
+  const auto velocity = study_of(
+      lumped_case({{"excitation", "{e: {base_velocity: s.ground, sine: {amplitude: 40 mm/s, frequency: 10}}}"}}));
+  const double w = 2.0 * std::numbers::pi * 10.0;
+  EXPECT_NEAR(signal_at(velocity, 0.225)[0], -0.04 / w * std::cos(w * 0.225), 1e-5 * 0.04 / w);
+  EXPECT_NEAR(signal_at(velocity, 0.225)[1], 0.04 * std::sin(w * 0.225), 1e-5 * 0.04);
   // The whole ground accelerates: inertia forces -M 1, or with a weight for each degree of freedom.
   const auto all = study_of(lumped_case({{"excitation", "{e: {base_acceleration: all, constant: 0.5 m/s^2}}"}}));
   near(system_of(all).inputs[0].value, vector({-2.0, -3.0}));
@@ -253,7 +262,7 @@ KeyChecks excitation_keys() {
   keys.merge(all_of(
       at, {"delayed.input", "delayed.delay", "trailing_axle.input", "trailing_axle.wheelbase", "trailing_axle.speed"},
       delayed_signals));
-  keys.merge(all_of(at, {"force", "base_displacement", "base_acceleration", "constant"}, targets));
+  keys.merge(all_of(at, {"force", "base_displacement", "base_velocity", "base_acceleration", "constant"}, targets));
   keys.merge(all_of(at + "unknown.", {"std", "correlation_time", "smoothness", "random_walk"}, unknown_inputs));
   keys[at + "drift"] = drifts;
   keys[at + "scale"] = [] {

@@ -54,15 +54,16 @@ double difference_of_all(const StudyResults& found, const StudyResults& expected
   return largest;
 }
 
-/// A table of the second derivative of signals, with an offset, 1 kHz.
-void write_accelerations(const std::filesystem::path& file, const std::vector<SignalPtr>& motions, double offset) {
+/// A table of a derivative of signals, the second if not told otherwise, with an offset, 1 kHz.
+void write_accelerations(const std::filesystem::path& file, const std::vector<SignalPtr>& motions, double offset,
+                         int derivative = 2) {
   std::ofstream table(file);
   table.precision(17);
   table << "time";
   for (std::size_t i = 0; i < motions.size(); ++i) table << ",a" << i + 1;
   for (int k = 0; k <= 4000; ++k) {
     table << "\n" << 1e-3 * k;
-    for (const auto& motion : motions) table << "," << motion->sample(1e-3 * k, 1.0, 1)(0, 2) + offset;
+    for (const auto& motion : motions) table << "," << motion->sample(1e-3 * k, 1.0, 1)(0, derivative) + offset;
   }
 }
 
@@ -107,6 +108,24 @@ TEST(MultiSupport, RecordedAccelerationsMoveTheSupportsAsTheyMoved) {
       "  b: {base_displacement: beam.right, impulse: {amplitude: -3 mm, start: 0.6, duration: 0.5, shape: smooth}}"));
   // the spline through 400 samples of the pulse's acceleration; the records converge to 1e-4
   EXPECT_LT(difference_of_all(recorded, displaced), 1e-6);
+}
+
+TEST(MultiSupport, AGeophoneMovesItsSupport) {
+  const ScratchFolder folder("multi-support-velocity");
+  const auto motion = make_random({.rms = 2e-3, .lower = 2.0, .upper = 20.0, .duration = 4.0});
+  write_accelerations(folder / "v.csv", {motion}, 0.02, 1);  // 0.08 m after 4 s
+  const std::string left =
+      "  a: {base_velocity: beam.left, file: " + (folder / "v.csv").string() + ", channel: a1, unit: m/s";
+  const auto found = study_of(driven_by(left + "}")).structure->signals[0]->sample(0.0, 1e-2, 401);
+  const auto expected = motion->sample(0.0, 1e-2, 401);
+  for (const int i : {0, 1, 2})
+    EXPECT_LT((found - expected).col(i).abs().maxCoeff(), 0.01 * expected.col(i).abs().maxCoeff()) << i;
+  // A part that comes later repeats the motion of this one.
+  const auto both = study_of(driven_by(left + "}\n  b: {base_velocity: beam.right, delayed: {input: a, delay: 0.5}}"));
+  EXPECT_LT((both.structure->signals[1]->sample(1.0, 1e-2, 201) - both.structure->signals[0]->sample(0.5, 1e-2, 201))
+                .abs()
+                .maxCoeff(),
+            1e-12);
 }
 
 TEST(MultiSupport, AnAccelerometersOffsetDoesNotPullTheSupportsApart) {
@@ -229,6 +248,7 @@ TEST_P(Excitations, AreReportedWithTheirLine) {
 }
 
 const std::string sine = "sine: {amplitude: 1 m/s^2, frequency: 3}";
+const std::string sine_v = "sine: {amplitude: 1 mm/s, frequency: 3}";
 const std::string sine_m = "sine: {amplitude: 1 mm, frequency: 3}";
 const std::string left = "  a: {base_acceleration: beam.left, " + sine;
 
@@ -275,6 +295,15 @@ INSTANTIATE_TEST_SUITE_P(
                       "case.yaml:15: excitation.b.delayed.input: input 'a' is in m/s^2"},
         Contradiction{"follows_itself", "  b: {base_displacement: beam.right, delayed: {input: b, delay: 0.1}}",
                       "case.yaml:14: excitation.b.delayed.input: there is no input 'b' above this one"},
+        Contradiction{"velocity_that_lasts", "  a: {base_velocity: beam.left, constant: 1 mm/s}",
+                      "case.yaml:14: excitation.a: a constant velocity moves the ground for good"},
+        Contradiction{"pulse_of_a_velocity", "  a: {base_velocity: beam.left, impulse: {amplitude: 1 mm/s}}",
+                      "case.yaml:14: excitation.a: an impulse moves the ground for good"},
+        Contradiction{"unit_of_a_velocity", "  a: {base_velocity: beam.left, " + sine + "}", "case.yaml:14"},
+        Contradiction{"drift_of_a_velocity", "  a: {base_velocity: beam.left, drift: keep, " + sine_v + "}",
+                      "case.yaml:14: excitation.a.drift has no effect here"},
+        Contradiction{"velocity_of_a_mass", "  a: {base_velocity: beam.1, " + sine_v + "}",
+                      "case.yaml:14: excitation.a.base_velocity: 'beam.1' is not a ground"},
         Contradiction{"road_as_acceleration", "  a: {base_acceleration: beam.left, road: {class: C, speed: 20}}",
                       "case.yaml:14: excitation.a: a road profile is a displacement [m]"}),
     [](const auto& each) { return each.param.name; });

@@ -79,6 +79,10 @@ struct Component {
 struct BaseDisplacement {
   Name ground;
 };
+/// Measured as geophones do; the displacement that moves the ground is its integral.
+struct BaseVelocity {
+  Name ground;
+};
 struct BaseAcceleration {
   Points direction;  ///< grounds, degrees of freedom, or "all"
 };
@@ -97,7 +101,7 @@ struct SignalTarget {
   Name ground;
 };
 struct Excitation {
-  std::variant<BaseDisplacement, BaseAcceleration, Force, SignalTarget> target;
+  std::variant<BaseDisplacement, BaseVelocity, BaseAcceleration, Force, SignalTarget> target;
   std::optional<Signal> signal;  ///< empty only if it is unknown
   std::optional<Located<UnknownInput>> unknown;
   double scale = 1.0;

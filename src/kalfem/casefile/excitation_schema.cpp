@@ -175,6 +175,9 @@ Schema<Excitation> excitation_of_any_quantity() {
   return mapping(
       Fields<Excitation>()
           .one_of(&Excitation::target, target("base_displacement", &BaseDisplacement::ground, "move a ground [m]"),
+                  target("base_velocity", &BaseVelocity::ground,
+                         "move a ground by its velocity [m/s], as geophones measure it: the displacement is the "
+                         "integral, without the straight line that fits it best"),
                   base_acceleration(), target("force", &Force::point, "force at a point [N]"))
           .one_of(&Excitation::signal, kinds.random, kinds.sine, kinds.sweep, kinds.impulse,
                   when("road", mapping(road), "ISO 8608 road profile"), when(file),

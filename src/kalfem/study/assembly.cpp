@@ -157,6 +157,8 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 InputDescription make_input(const std::string& name, const description::Excitation& given, bool of_grounds) {
   if (const auto* base = std::get_if<description::BaseDisplacement>(&given.target))
     return {name, InputKind::base_displacement, base->ground.value, {}, base->ground.location};
+  if (const auto* base = std::get_if<description::BaseVelocity>(&given.target))
+    return {name, InputKind::base_displacement, base->ground.value, {}, base->ground.location};
   if (const auto* force = std::get_if<description::Force>(&given.target))
     return {name, InputKind::force, force->point.value, {}, force->point.location};
   if (const auto* signal = std::get_if<description::SignalTarget>(&given.target))

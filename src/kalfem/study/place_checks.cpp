@@ -49,8 +49,11 @@ private:
 
   void check(const description::SignalTarget& /*of_a_law*/) {}  // the law feels it
 
-  void check(const description::BaseDisplacement& target) {
-    const auto& name = target.ground;
+  void check(const description::BaseDisplacement& target) { check_ground(target.ground); }
+
+  void check(const description::BaseVelocity& target) { check_ground(target.ground); }
+
+  void check_ground(const Name& name) {
     if (!find(name)) return;
     if (contains(grounds_, name.value))
       drive(name);

@@ -13,6 +13,7 @@
 #include "kalfem/study/assembly.hpp"
 #include "kalfem/system/signals/deterministic.hpp"
 #include "kalfem/system/signals/ground_motion.hpp"
+#include "kalfem/system/signals/integrated_velocity.hpp"
 #include "kalfem/system/signals/random_signal.hpp"
 #include "kalfem/system/signals/remembered.hpp"
 #include "kalfem/system/signals/sampled.hpp"
@@ -52,6 +53,7 @@ std::string unit_of(const d::Signal& signal) {
 std::string unit_of(const d::Excitation& excitation) {
   if (std::holds_alternative<d::SignalTarget>(excitation.target)) return unit_of(*excitation.signal);
   if (std::holds_alternative<d::BaseDisplacement>(excitation.target)) return unit_of(InputKind::base_displacement);
+  if (std::holds_alternative<d::BaseVelocity>(excitation.target)) return "m/s";
   return unit_of(std::holds_alternative<d::Force>(excitation.target) ? InputKind::force : InputKind::base_acceleration);
 }
 
@@ -121,6 +123,10 @@ private:
   [[nodiscard]] bool follows_another() const {
     return excitation_.signal_as<d::Delayed>() || excitation_.signal_as<d::Trailing>();
   }
+  /// Whether the displacement is wanted of a velocity that this excitation gives.
+  [[nodiscard]] bool is_velocity() const {
+    return std::holds_alternative<d::BaseVelocity>(excitation_.target) && !follows_another();
+  }
   /// Whether the acceleration is integrated from rest as it is, with its drift.
   [[nodiscard]] bool keeps_drift() const { return excitation_.drift && excitation_.drift->value == Drift::keep; }
 
@@ -138,6 +144,12 @@ private:
     if (lasting && !keeps_drift())
       refuse("an impulse or a constant acceleration moves the ground permanently, which is not drift",
              "remove it or write drift: keep");
+  }
+
+  /// The straight line that is taken out of a displacement would be most of this one.
+  [[noreturn]] static void refuse_lasting(const std::string& velocity) {
+    throw InvalidInput(velocity + " moves the ground for good", "base_velocity is for motions about a place of rest",
+                       "give its displacement by base_displacement");
   }
 
   /// Whether the lines of a spectrum are integrated one by one.
@@ -174,6 +186,7 @@ private:
     return integrated_from_rest(signal, std::max(g.from, g.to), duration);
   }
   SignalPtr from(const d::Impulse& g) {
+    if (is_velocity()) refuse_lasting("an impulse");
     return make_pulse({.amplitude = checked_number(g.amplitude, unit_),
                        .start = g.start,
                        .duration = g.duration,
@@ -231,6 +244,7 @@ private:
   SignalPtr from(const d::Delayed& g) { return after(g.input, g.delay); }
   SignalPtr from(const d::Trailing& g) { return after(g.input, g.wheelbase / g.speed); }
   SignalPtr from(const d::Constant& g) {
+    if (is_velocity()) refuse_lasting("a constant velocity");
     const auto signal = make_constant(checked_number(g.value, unit_));
     return integrated({.step = all_.duration, .knots = 2, .drift = Drift::keep}, signal);
   }
@@ -279,6 +293,7 @@ private:
   }
 
   SignalPtr integrated(IntegrationOptions options, const SignalPtr& signal) {
+    if (is_velocity()) return integrated_velocity(signal, {options.start, 1.0 / options.step, options.knots});
     if (!integrated_) return signal;
     if (!excitation_.signal_as<d::Constant>()) options.drift = keeps_drift() ? Drift::keep : Drift::remove;
     const auto motion = std::make_shared<const GroundMotion>(signal, options);
@@ -332,6 +347,7 @@ SignalPtr signal_of(MadeSignals& all, const std::string& name, bool integrated) 
 
 SourceLocation place_of(const d::Excitation& excitation) {
   if (const auto* base = std::get_if<d::BaseDisplacement>(&excitation.target)) return base->ground.location;
+  if (const auto* base = std::get_if<d::BaseVelocity>(&excitation.target)) return base->ground.location;
   if (const auto* force = std::get_if<d::Force>(&excitation.target)) return force->point.location;
   if (const auto* signal = std::get_if<d::SignalTarget>(&excitation.target)) return signal->ground.location;
   return std::get<d::BaseAcceleration>(excitation.target).direction.location;

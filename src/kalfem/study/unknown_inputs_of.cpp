@@ -18,6 +18,10 @@ bool accelerates_grounds(const d::Excitation& given, const InputDescription& inp
 
 UnknownInput read(const d::Excitation& given, const InputDescription& input, double sample_rate) {
   const auto& [assumed, location, path] = *given.unknown;
+  if (std::holds_alternative<d::BaseVelocity>(given.target))
+    throw InvalidInput(Issue{location, path + " has no effect here",
+                             "the motion of a ground is estimated as a displacement or as an acceleration",
+                             "write base_displacement or base_acceleration in place of base_velocity"});
   UnknownInput unknown{.name = input.name, .acceleration = accelerates_grounds(given, input), .location = location};
   unknown.unit = unknown.acceleration ? "m/s^2" : unit_of(input.kind);
   unknown.has_truth = given.signal.has_value();
