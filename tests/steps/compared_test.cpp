@@ -5,6 +5,7 @@
 
 #include "casefile/case_run.hpp"
 #include "kalfem/report/result_set.hpp"
+#include "kalfem/report/study_page.hpp"
 #include "kalfem/steps/compared.hpp"
 #include "kalfem/steps/modes/report.hpp"
 #include "kalfem/steps/updating/outcome.hpp"
@@ -53,6 +54,7 @@ TEST(Compared, ARunWithoutMeasurementsHasNoVerdict) {
     EXPECT_TRUE(results.usable());
     EXPECT_FALSE(has_verdict(results)) << verb;
     EXPECT_TRUE(summarise(study, results)["verdict"]["state"].is_null()) << verb;
+    EXPECT_FALSE(make_page(study, results).status) << verb;
   }
 }
 

@@ -180,16 +180,20 @@ public:
 
 private:
   static std::string header(const Page& page) {
-    const std::string state = to_string(page.status);
-    const std::string sign = page.status == VerdictState::consistent   ? "\u2713 "
-                             : page.status == VerdictState::suspicious ? "! "
-                                                                       : "\u2717 ";
-    const std::string badge = element("span", "class=\"badge " + state + "\"", sign + "Results " + state);
+    const std::string status = page.status ? badge(*page.status) : "";
     return element(
         "header", "",
         text_element("h1", "", page.title) + text_element("p", "class=\"subtitle\"", page.subtitle) +
-            element("div", "class=\"verdict\" role=\"status\"", badge + text_element("p", "", page.summary)) +
+            element("div", "class=\"verdict\" role=\"status\"", status + text_element("p", "", page.summary)) +
             warnings(page));
+  }
+
+  static std::string badge(VerdictState status) {
+    const std::string state = to_string(status);
+    const std::string sign = status == VerdictState::consistent   ? "\u2713 "
+                             : status == VerdictState::suspicious ? "! "
+                                                                  : "\u2717 ";
+    return element("span", "class=\"badge " + state + "\"", sign + "Results " + state);
   }
 
   static std::string warnings(const Page& page) {

@@ -91,9 +91,9 @@ struct Section {
 struct Page {
   std::string title = {};
   std::string subtitle = {};
-  VerdictState status = VerdictState::consistent;
-  std::string summary = {};                ///< the answer in a sentence or two, beside the status
-  std::vector<std::string> warnings = {};  ///< below it
+  std::optional<VerdictState> status = {};  ///< empty: nothing was compared, so there is no badge
+  std::string summary = {};                 ///< the answer in a sentence or two, beside the status
+  std::vector<std::string> warnings = {};   ///< below it
   std::vector<Section> sections = {};
   std::vector<std::string> files = {};  ///< beside the page, to be linked
   std::string run = {};                 ///< identity of the run, see run_identity(); empty: not shown

@@ -341,7 +341,7 @@ Page inspection_page(const std::vector<Inspection>& inspections) {
     findings += all_findings(inspection).size();
     page.sections.push_back(section_of(inspection));
   }
-  page.status = findings == 0 ? VerdictState::consistent : VerdictState::suspicious;
+  if (findings > 0) page.status = VerdictState::suspicious;
   page.summary = findings == 0 ? "Nothing odd was found." : counted(static_cast<Index>(findings), "finding") + ".";
   return page;
 }

@@ -8,6 +8,7 @@
 #include "kalfem/report/model_check_section.hpp"
 #include "kalfem/report/result_set.hpp"
 #include "kalfem/report/study_page.hpp"
+#include "kalfem/steps/compared.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
 #include "kalfem/steps/identified_parameters.hpp"
 #include "kalfem/steps/modes/outcome.hpp"
@@ -79,7 +80,7 @@ Page make_page(const Study& study, const StudyResults& results) {
   Page page{.title = study.title.empty() ? "kalfem" : study.title,
             .subtitle = fmt::format("{} degrees of freedom, {}", dofs_of_all(results),
                                     counted(study.model->system().connector_count(), "connector")),
-            .status = results.verdict.state(),
+            .status = has_verdict(results) ? std::optional(results.verdict.state()) : std::nullopt,
             .summary = answer(study, results),
             .warnings = study.warnings};
   for (const auto& warning : results.warnings)

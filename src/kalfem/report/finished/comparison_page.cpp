@@ -86,7 +86,8 @@ Section courses_section(const RunComparison& comparison) {
 
 Page comparison_page(const RunComparison& comparison) {
   Page page{.title = "Runs compared", .subtitle = fmt::format("{}", fmt::join(comparison.labels, ", "))};
-  for (const auto& run : comparison.runs) page.status = std::max(page.status, run.verdict);
+  for (const auto& run : comparison.runs)
+    if (run.compared) page.status = std::max(page.status, std::optional(run.verdict));
   page.summary = comparison.differences;
   for (const auto& warning : comparison.warnings) page.summary += " Warning: " + warning + ".";
   Section tables{"Numbers", "", {}};
