@@ -20,12 +20,14 @@ constexpr double deviations_per_second = 100.0;  ///< of states and outputs, as 
 py::dict parameters_summary(const EstimateResult& result, const EstimateOptions& options) {
   py::dict all;
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
-    const auto& [name, unit, mean, std, std_robust, interval, mean_history, std_history] = result.parameters[i];
+    const auto& [name, unit, mean, std, std_robust, interval, mean_history, std_history, std_considered] =
+        result.parameters[i];
     const auto& prior = options.unknowns[i].prior;
     py::dict entry;
     entry["estimate"] = number(mean);
     entry["std"] = number(std);
     entry["std_robust"] = number(std_robust);
+    entry["std_considered"] = number(std_considered);
     entry["interval_95"] = py::make_tuple(number(interval.lower), number(interval.upper));
     entry["unit"] = unit;
     if (prior.initial) entry["initial"] = *prior.initial;
@@ -33,6 +35,28 @@ py::dict parameters_summary(const EstimateResult& result, const EstimateOptions&
     all[py::str(name)] = entry;
   }
   return all;
+}
+
+py::dict sensitivity_summary(const EstimateResult& result) {
+  py::list numbers;
+  for (const auto& each : result.fixed_numbers) {
+    py::dict shift, entry;
+    for (std::size_t j = 0; j < each.shift.size(); ++j)
+      shift[py::str(result.parameters[j].name)] = number(each.shift[j] / each.scale);
+    entry["name"] = each.name;
+    entry["group"] = each.group;
+    entry["unit"] = each.unit;
+    entry["value"] = number(each.value);
+    entry["known_to"] = each.known_to > 0.0 ? number(each.known_to * each.scale) : py::none();
+    entry["asked_change"] = number(each.asked * each.scale);
+    entry["asked_change_std"] = number(each.asked_std * each.scale);
+    entry["log_likelihood_gain"] = number(each.log_likelihood_gain);
+    entry["shift"] = shift;
+    numbers.append(entry);
+  }
+  py::dict summary;
+  summary["numbers"] = numbers;
+  return summary;
 }
 
 py::dict estimation_summary(const EstimateResult& result) {
@@ -58,6 +82,7 @@ py::dict summary_of(const EstimateResult& result, const EstimateOptions& options
   summary["verdict"] = python::summary_of(result.verdict);
   summary["parameters"] = parameters_summary(result, options);
   summary["estimation"] = estimation_summary(result);
+  if (!result.fixed_numbers.empty()) summary["sensitivity"] = sensitivity_summary(result);
   return summary;
 }
 

@@ -162,6 +162,19 @@ std::optional<double> second_thoughts_of(const py::handle& given) {
   throw InvalidInput("second_thoughts: '" + word + "' is not known", "", "give none, full or a number");
 }
 
+/// Percentages are relative, all else is in the number's unit: a text with a unit, or SI.
+std::vector<KnownTo> known_to_of(const py::dict& given) {
+  std::vector<KnownTo> all;
+  for (const auto& [key, value] : given) {
+    const auto name = cast_of<std::string>(key, "known_to");
+    const auto percentage = percentage_of(value);
+    all.push_back({.name = name,
+                   .deviation = percentage ? *percentage : number_of(value, "", entry_of("known_to", name)),
+                   .relative = percentage.has_value()});
+  }
+  return all;
+}
+
 }  // namespace
 
 EstimateOptions options_of(const Structure& structure, const py::dict& arguments) {
@@ -182,6 +195,7 @@ EstimateOptions options_of(const Structure& structure, const py::dict& arguments
   take("passes", options.passes);
   take("settle", options.settle);
   take("diagnose", options.diagnose);
+  if (arguments.contains("known_to")) options.known_to = known_to_of(arguments["known_to"]);
   if (arguments.contains("second_thoughts")) options.second_thoughts = second_thoughts_of(arguments["second_thoughts"]);
   return options;
 }

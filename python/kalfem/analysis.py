@@ -42,6 +42,7 @@ def estimate(
     threads: int = 0,
     diagnose: bool = True,
     second_thoughts: float | str | None = None,
+    known_to: Mapping[str, float | str] | None = None,
     progress: Progress = True,
 ) -> Run:
     """Estimate states and unknown parameters of a structure from a record.
@@ -89,6 +90,11 @@ def estimate(
         What may follow the first answer (more substeps, changes of parameters within the record, other process noise,
         the mistake behind a contradiction): so many times its filter steps, ``none``, or ``full``. If it is not
         given, all, or none without `diagnose`.
+    known_to : dict of str to float or str
+        Standard deviations of numbers that are held fixed; intervals and bands then hold what follows from them. A
+        percentage, or a number in its unit: ``{"masses": "1 %", "body.3.mass": "0.5 %", "a1.delay": 2e-4}``. By group
+        (``masses``, ``stiffnesses``, ``damping``, ``laws``, ``gains``, ``excitations``, ``delays``), by owner or by
+        name; the longest name counts. Without it they are taken as exact; ``run.sensitivity`` says what that matters.
     progress : bool or callable
         Show a bar, or call a function with the fraction done and words.
 
@@ -134,6 +140,7 @@ def estimate(
         "settle": settle,
         "diagnose": diagnose,
         "second_thoughts": second_thoughts,
+        "known_to": dict(known_to or {}),
     }
     with reporter(progress) as bar:
         summary, datasets = core.estimate(structure, t, y, dict(inputs or {}), arguments, bar)

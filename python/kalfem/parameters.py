@@ -27,6 +27,7 @@ class Parameter:
     truth: float | None = None  #: of simulated records
     initial: float | None = None  #: mean of the prior
     prior_std: float | None = None
+    std_considered: float | None = None  #: `std` with what ``known_to`` adds; None where nothing is stated
     details: dict = field(default_factory=dict, repr=False, compare=False)  #: its whole entry in ``summary.json``
 
     @classmethod
@@ -45,6 +46,7 @@ class Parameter:
             truth=entry.get("true"),
             initial=entry.get("initial"),
             prior_std=entry.get("prior_std"),
+            std_considered=entry.get("std_considered"),
             details=entry,
         )
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from .display import run_html
 from .errors import InvalidInput, Issue, unknown_name
+from .fixed_numbers import FixedNumbers
 from .parameters import Parameter, Parameters, Verdict
 from .residuals import Residuals
 from .series import TimeSeries
@@ -104,6 +105,11 @@ class Run:
     def message(self) -> str:
         """Why the run is not usable, in words; empty if it is."""
         return self.summary.get("message") or ""
+
+    @property
+    def sensitivity(self) -> FixedNumbers:
+        """Numbers that the estimation held fixed, and how much they matter: see :class:`FixedNumber`."""
+        return FixedNumbers(self.summary.get("sensitivity", {"numbers": []}))
 
     @property
     def residuals(self) -> Residuals:

@@ -368,6 +368,21 @@ void what_may_follow_the_first_answer() {
   EXPECT_EQ(allowed(", second_thoughts: 2.5"), 2.5);
 }
 
+void what_is_known_of_fixed_numbers() {
+  const auto stated = [](const std::string& text) {
+    return with_estimate(stiffness_unknown + ", known_to: {" + text + "}").problem->settings.known_to;
+  };
+  EXPECT_TRUE(with_estimate(stiffness_unknown).problem->settings.known_to.empty());
+  const auto known = stated("masses: 1 %, s.b.mass: 20 g, delays: 0.2 ms");
+  ASSERT_EQ(known.size(), 3U);
+  EXPECT_EQ(known[0].name, "masses");
+  EXPECT_TRUE(known[0].relative);
+  near(known[0].deviation, 0.01);
+  EXPECT_FALSE(known[1].relative);
+  near(known[1].deviation, 0.02);
+  near(known[2].deviation, 2e-4);
+}
+
 void outliers() {
   const auto treatment = [](const std::string& text) {
     return with_estimate(stiffness_unknown + text).problem->settings.outliers;
@@ -473,6 +488,7 @@ KeyChecks estimation_keys() {
   add(at, {"outliers"}, outliers);
   add(at, {"diagnose"}, diagnosis);
   add(at, {"second_thoughts"}, what_may_follow_the_first_answer);
+  add(at, {"known_to"}, what_is_known_of_fixed_numbers);
   add("predict.", {"substructure"}, predictions);
   add("predict.", {"substeps"}, prediction_steps);
   return keys;

@@ -8,6 +8,7 @@
 #include "kalfem/api/structure_description.hpp"
 #include "kalfem/diagnosis/judge_estimation.hpp"
 #include "kalfem/diagnosis/look_for_cause.hpp"
+#include "kalfem/identification/fixed_number_study.hpp"
 #include "kalfem/identification/record_estimate.hpp"
 #include "kalfem/identification/stated_interval.hpp"
 
@@ -71,9 +72,32 @@ std::vector<ParameterEstimate> parameters_of(const RecordEstimate& estimated) {
                           .std_robust = estimated.robust_deviation[row],
                           .interval_95 = {interval.lower, interval.upper},
                           .mean_history = mean,
-                          .std_history = std});
+                          .std_history = std,
+                          .std_considered = considered_deviation(estimated, row)});
   }
   return parameters;
+}
+
+std::vector<FixedNumberEffect> effects_of(const FixedNumberStudy& study) {
+  std::vector<FixedNumberEffect> effects;
+  for (Index i = 0; i < study.size(); ++i) {
+    const FixedNumber& number = study.numbers[static_cast<std::size_t>(i)];
+    const auto column = [i](const Eigen::MatrixXd& all) {
+      return std::vector<double>(all.col(i).begin(), all.col(i).end());
+    };
+    effects.push_back({.name = number.name,
+                       .unit = number.unit,
+                       .group = group_of(number.kind),
+                       .value = number.value,
+                       .scale = number.scale,
+                       .known_to = number.deviation,
+                       .asked = study.asked[i],
+                       .asked_std = study.asked_deviation[i],
+                       .log_likelihood_gain = study.gain[i],
+                       .shift = column(study.shift),
+                       .considered = column(study.considered)});
+  }
+  return effects;
 }
 
 std::vector<NormalisedInnovations> innovations_by_sensor(const RecordEstimate& estimated) {
@@ -179,6 +203,7 @@ EstimateResult estimate(const Structure& structure, const Record& record, const 
   estimate.verdict = verdict_of(estimated);
   estimate.diagnosis = look_for_cause(*made.problem, made.problem->structure->parts, measured, estimated);
   estimate.left_out = estimated.left_out;
+  if (estimated.fixed_numbers) estimate.fixed_numbers = effects_of(*estimated.fixed_numbers);
   if (estimate.diagnosis) estimate.verdict.add(reasons_of(*estimate.diagnosis, estimate.verdict.state()));
   return estimate;
 }

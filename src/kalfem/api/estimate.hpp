@@ -14,6 +14,7 @@
 #include "kalfem/diagnosis/diagnosis.hpp"
 #include "kalfem/estimation/filter_kind.hpp"
 #include "kalfem/estimation/parameter_transform.hpp"
+#include "kalfem/identification/known_to.hpp"
 #include "kalfem/identification/point_prior.hpp"
 #include "kalfem/identification/unknown_scores.hpp"
 #include "kalfem/verdict/verdict.hpp"
@@ -69,6 +70,8 @@ struct EstimateOptions {
   /// within the record, the diagnosis), in those of the first answer. 0: nothing follows; infinity: all. Empty:
   /// all, or nothing without `diagnose`.
   std::optional<double> second_thoughts = {};
+  /// How well numbers are known that the structure holds fixed. Intervals and bands hold what follows from it.
+  std::vector<KnownTo> known_to = {};
 };
 
 /// A parameter, estimated at the end of the record.
@@ -82,8 +85,25 @@ struct ParameterEstimate {
   /// Holds where the model is not exact and innovations are correlated; with a right model it is about `std`. Not a
   /// number for a parameter with a random walk, after a stop, and from an OnlineFilter.
   double std_robust = std::numeric_limits<double>::quiet_NaN();
-  Interval interval_95 = {};                            ///< from the larger of both deviations
+  Interval interval_95 = {};                            ///< from the larger of both deviations, with std_considered
   Eigen::VectorXd mean_history = {}, std_history = {};  ///< one per sample
+  /// The deviation with what `known_to` adds; not a number where nothing is stated.
+  double std_considered = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// A number that the structure or a sensor holds fixed ("frame.3.mass", "a1.gain"), and what it does to the estimates.
+/// Changes of it are counted in its `scale`.
+struct FixedNumberEffect {
+  std::string name, unit;
+  std::string group;  ///< "masses" and so on, as KnownTo names them
+  double value = 0.0;
+  double scale = 1.0;                ///< |value|; of a delay 1 s; of a number that is 0 its stated deviation
+  double known_to = 0.0;             ///< stated standard deviation [scale]; 0: taken as exact
+  double asked = 0.0;                ///< the change that makes the record most likely, the parameters estimated along
+  double asked_std = 0.0;            ///< infinite where the record does not tell
+  double log_likelihood_gain = 0.0;  ///< by that change
+  std::vector<double> shift = {};    ///< of every parameter's estimate by a change of one scale [its unit]
+  std::vector<double> considered = {};  ///< standard deviation that `known_to` adds to every parameter [its unit]
 };
 
 /// A sensor's innovations after settling, each over the deviation that the filter expects of it: with the right model
@@ -136,6 +156,9 @@ struct EstimateResult {
   /// Searches for which EstimateOptions::second_thoughts left no filter steps, in words.
   std::vector<std::string> left_out = {};
   std::optional<Diagnosis> diagnosis;  ///< every mistake that was tested; empty: there was no reason to look for one
+  /// Numbers that were held fixed, and how much they matter; empty: not looked at (no parameters, or `diagnose` off and
+  /// nothing stated).
+  std::vector<FixedNumberEffect> fixed_numbers = {};
 
   /// Whether the filter ran to the end and nothing in its numbers makes them worthless.
   [[nodiscard]] bool usable() const { return verdict.state() != VerdictState::unusable; }

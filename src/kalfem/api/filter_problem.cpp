@@ -6,6 +6,7 @@
 
 #include "kalfem/api/structure_description.hpp"
 #include "kalfem/base/units.hpp"
+#include "kalfem/identification/fixed_numbers.hpp"
 #include "kalfem/identification/released_elements.hpp"
 
 namespace kalfem {
@@ -178,6 +179,7 @@ private:
     settings.second_thoughts = options_.second_thoughts.value_or(options_.diagnose ? StepBudget::unlimited : 0.0);
     settings.substeps = options_.substeps;
     settings.threads = options_.threads;
+    settings.known_to = options_.known_to;
     for (std::size_t i = 0; i < options_.initial_state.size(); ++i) {
       const auto& [point, prior] = options_.initial_state[i];
       settings.initial_state.push_back({point, {prior, {}, "initial_state[" + std::to_string(i) + "]"}});
@@ -188,6 +190,8 @@ private:
     FilterProblem made;
     made.problem = std::make_shared<const EstimationProblem>(std::move(problem_));
     made.setup = make_augmented_model_setup(*made.problem, made.problem->structure->parts, {}, issues_);
+    issues_.raise();
+    check_known_to(*made.problem, made.problem->structure->parts, made.setup, issues_);
     issues_.raise();
     made.monitored = motions_of(*made.setup.model);
     for (const auto& [name, output] : options_.outputs) {

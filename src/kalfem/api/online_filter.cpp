@@ -32,6 +32,7 @@ void require_online(const Structure& structure, const EstimateOptions& options) 
   };
   refuse(options.initial_state_from_record, "initial_state_from_record");
   refuse(options.passes > 1, "passes");
+  refuse(!options.known_to.empty(), "known_to");
   refuse(options.settle.has_value(), "settle");
   issues.raise();
 }

@@ -210,6 +210,7 @@ struct Estimation {
   bool diagnose = true;
   std::optional<double> second_thoughts;  ///< filter steps, in those of the first answer; if empty, see `diagnose`
   bool smooth = false;
+  Named<Value> known_to;  ///< standard deviations of numbers that are held fixed
 };
 
 struct Prediction {

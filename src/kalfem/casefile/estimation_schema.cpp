@@ -191,7 +191,12 @@ Schema<Estimation> estimation() {
                     "process noise, the mistake behind a contradiction, predictions of a validation one sample ahead): "
                     "so many times its filter steps, none, or full")
           .optional("smooth", &Estimation::smooth, boolean(),
-                    "also estimate every sample from the whole record (fixed-interval smoother)"));
+                    "also estimate every sample from the whole record (fixed-interval smoother)")
+          .optional("known_to", &Estimation::known_to, named(value(), NameRule::dotted),
+                    "standard deviations of numbers that are held fixed, which intervals and bands then hold: a "
+                    "percentage, or in the number's unit. By group (masses, stiffnesses, damping, laws, gains, "
+                    "excitations, delays) or by name (frame.3.mass, a1.gain, a1.delay, road.gain, or frame for all of "
+                    "it); the longest name counts"));
 }
 
 }  // namespace kalfem::description

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "kalfem/diagnosis/fixed_number_reasons.hpp"
 #include "kalfem/identification/parameter_drift.hpp"
 #include "kalfem/identification/stated_interval.hpp"
 
@@ -356,6 +357,7 @@ Verdict verdict_of(const RecordEstimate& estimate) {
   verdict.add(reasons_of_adapted_noise(estimate));
   verdict.add(reasons_of_open_loop(estimate));
   verdict.add(reasons_of_length(estimate));
+  verdict.add(fixed_number_reasons(estimate));
   verdict.add(reasons_of_change(estimate, verdict.state()));
   return verdict;
 }

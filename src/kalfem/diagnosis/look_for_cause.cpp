@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "kalfem/diagnosis/fixed_number_reasons.hpp"
 #include "kalfem/diagnosis/judge_estimation.hpp"
 
 namespace kalfem {
@@ -42,11 +43,11 @@ bool may_be_of_the_step(const RecordEstimate& estimate) {
 
 bool is_doubtful(const RecordEstimate& estimate) {
   const bool overstated_noise = estimate.consistency.mean_nis < 0.5 * estimate.consistency.expected_nis;
-  const bool explained = estimate.jump && estimate.jump->explains;
-  return !overstated_noise && !explained &&
-         std::ranges::any_of(verdict_of(estimate).reasons(), [&](const Reason& reason) {
-           return has_a_cause(reason) && !is_of_event(reason, estimate);
-         });
+  const bool jumps = estimate.jump && estimate.jump->explains;
+  if (overstated_noise || jumps || !fixed_number_reasons(estimate).empty()) return false;
+  return std::ranges::any_of(verdict_of(estimate).reasons(), [&](const Reason& reason) {
+    return has_a_cause(reason) && !is_of_event(reason, estimate);
+  });
 }
 
 /// The NIS of every sample that the filter computed.

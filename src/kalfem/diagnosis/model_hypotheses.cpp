@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "kalfem/diagnosis/candidates.hpp"
+#include "kalfem/identification/fixed_numbers.hpp"
 #include "kalfem/system/laws/law_library.hpp"
 
 namespace kalfem {
@@ -29,30 +30,12 @@ std::shared_ptr<EstimationProblem> released(const EstimationProblem& problem, st
   return changed;
 }
 
-/// The value of a parameter in the parts of this run, which an updating may have changed.
-double present_value(const StructureParts& parts, const Parameter& parameter) {
-  if (const auto* of_law = std::get_if<ConnectorParameter>(&parameter.where)) {
-    const auto found = std::ranges::find(parts.connectors, parameter.owner, &ConnectorDescription::name);
-    return found == parts.connectors.end() ? parameter.value : found->parameters[of_law->position];
-  }
-  const auto* lumped = std::get_if<LumpedParameter>(&parameter.where);
-  const auto found = std::ranges::find(parts.substructures, parameter.owner, &LumpedSubstructure::name);
-  return lumped && found != parts.substructures.end() ? value_of(*found, *lumped) : parameter.value;
-}
-
 /// Parameters that neither the filter nor an updating found, at a value other than zero.
 std::vector<Parameter> fixed_parameters(const DiagnosisInput& input) {
   const EstimationProblem& problem = *input.problem;
-  std::set<std::string> estimated(input.updated.begin(), input.updated.end());
-  for (const auto& unknown : problem.settings.unknowns)
-    for (const auto& target : unknown.targets) estimated.insert(target.name);
-  const ParameterSet all(*problem.structure);
-  std::vector<Parameter> fixed;
-  for (const auto& name : all.names())
-    if (auto parameter = all.find(name); parameter && !estimated.contains(name)) {
-      parameter->value = present_value(input.parts, *parameter);
-      if (std::isfinite(parameter->value) && parameter->value != 0.0) fixed.push_back(*parameter);
-    }
+  auto fixed =
+      kalfem::fixed_parameters(*problem.structure, input.parts, estimated_parameters(problem.settings, input.updated));
+  std::erase_if(fixed, [](const Parameter& parameter) { return parameter.value == 0.0; });
   return fixed;
 }
 

@@ -54,6 +54,7 @@ void set_inputs(ProcessModel& transition, const FilterInput& input, Index stride
 std::optional<FixedGainMeans> run_with_gains(const AugmentedModel& augmented_model, const FilterInput& input,
                                              const Gains& gains, const OutputMap& monitored, Index state_at) {
   assert(augmented_model.options().coordinates == StateCoordinates::physical);
+  const auto& layout = augmented_model.layout();
   const Index samples = input.measured.samples(), stride = input.input_stride(augmented_model.options().substeps);
   ProcessModel transition(augmented_model);
   MeasurementModel measurement(augmented_model, sensor_outputs);
@@ -61,7 +62,10 @@ std::optional<FixedGainMeans> run_with_gains(const AugmentedModel& augmented_mod
       augmented_model, [&](const AugmentedModel& each) { return each.augmented_model_form().outputs(monitored); });
   PointMap predict(transition);
   PointMap<MeasurementModel> measure(measurement), look(monitored_map);
-  FixedGainMeans means{Eigen::MatrixXd(monitored.size(), samples), {}};
+  FixedGainMeans means{Eigen::MatrixXd(monitored.size(), samples),
+                       Eigen::MatrixXd(input.measured.values.rows(), samples),
+                       Eigen::MatrixXd(layout.unknowns, samples),
+                       {}};
   VectorXd state = augmented_model.prior().mean, predicted = state, output, innovation, values;
   for (Index k = 0; k < samples; ++k) {
     if (k > 0) {
@@ -74,11 +78,14 @@ std::optional<FixedGainMeans> run_with_gains(const AugmentedModel& augmented_mod
     input.sample(k, innovation);
     innovation -= output;
     innovation = innovation.array().isNaN().select(0.0, innovation);
+    means.innovation.col(k) = innovation;
     state.noalias() += gains[static_cast<std::size_t>(k)] * innovation;
+    means.unknowns.col(k) = state.segment(layout.unknown(), layout.unknowns);
+    if (k == state_at) means.state = state;
+    if (monitored.size() == 0) continue;
     monitored_map.set_inputs(input.inputs.col(k * stride));
     if (!look.apply(state, values)) return std::nullopt;
     means.monitored.col(k) = values;
-    if (k == state_at) means.state = state;
   }
   return means;
 }

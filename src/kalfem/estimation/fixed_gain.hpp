@@ -19,8 +19,10 @@ using Gains = std::vector<Eigen::MatrixXd>;
 
 /// Means of a fixed-gain run.
 struct FixedGainMeans {
-  Eigen::MatrixXd monitored;  ///< rows x samples
-  Eigen::VectorXd state;      ///< augmented state at the requested sample
+  Eigen::MatrixXd monitored;   ///< rows x samples
+  Eigen::MatrixXd innovation;  ///< y_k - h(x-), channels x samples; 0 where a channel was missing
+  Eigen::MatrixXd unknowns;    ///< unknown parameters in the filter's state, unknowns x samples
+  Eigen::VectorXd state;       ///< augmented state at the requested sample
 };
 
 /// Runs the mean of an augmented model over a record with gains that are given, one a sample,

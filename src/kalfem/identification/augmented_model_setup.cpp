@@ -249,7 +249,7 @@ AugmentedModelSetup make_augmented_model_setup(const EstimationProblem& problem,
   if (!setup.linear_unknowns.empty()) {
     LinearUnknowns linear = std::move(setup.linear_unknowns);
     linear.present = present;
-    linear.parts = std::move(given_parts);
+    linear.parts = given_parts;
     if (!linear.bindings.empty()) {
       parts = at_first_guesses(problem, linear, reduced_at);
       setup = {};
@@ -258,6 +258,7 @@ AugmentedModelSetup make_augmented_model_setup(const EstimationProblem& problem,
     setup.linear_unknowns = std::move(linear);
   }
 
+  setup.parts = std::move(given_parts);
   setup.model = std::make_shared<const CoupledModel>(couple(parts));
   constexpr Index most_dofs = 5000;
   if (const Index dofs = setup.model->system().size(); dofs > most_dofs) {

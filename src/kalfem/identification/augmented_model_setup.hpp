@@ -53,8 +53,9 @@ struct AugmentedModelSetup {
   std::vector<std::string> input_sources;  ///< name of the excitation of each input, or of a sensor ("@name")
   std::vector<std::optional<double>> true_parameters;  ///< one per unknown
   LinearUnknowns linear_unknowns;
-  std::optional<SubstepChoice> substeps = {};  ///< decided before; otherwise the estimates decide
-  std::optional<bool> starts_at_rest = {};     ///< decided before; otherwise the record tells, see make_filter_run()
+  std::shared_ptr<const StructureParts> parts = {};  ///< from which it was made
+  std::optional<SubstepChoice> substeps = {};        ///< decided before; otherwise the estimates decide
+  std::optional<bool> starts_at_rest = {};  ///< decided before; otherwise the record tells, see make_filter_run()
 };
 
 /// Makes the filter's model of a problem from `parts`: the structure's own, or updated ones. Values in `present`

@@ -12,6 +12,7 @@
 #include "kalfem/estimation/adaptive_noise.hpp"
 #include "kalfem/estimation/filter.hpp"
 #include "kalfem/estimation/parameter_transform.hpp"
+#include "kalfem/identification/known_to.hpp"
 #include "kalfem/identification/parameter_set.hpp"
 #include "kalfem/identification/point_prior.hpp"
 #include "kalfem/identification/step_budget.hpp"
@@ -143,7 +144,8 @@ struct EstimationSettings {
   /// Filter steps of all that follows the first answer (more substeps, other process noise, changes of unknowns, the
   /// mistake behind a contradiction), in those of the first answer. 0: nothing follows; see RecordEstimate.
   double second_thoughts = StepBudget::unlimited;
-  bool smooth = false;  ///< estimate every sample from the whole record too
+  bool smooth = false;                 ///< estimate every sample from the whole record too
+  std::vector<KnownTo> known_to = {};  ///< numbers that are held fixed, and not known exactly
 };
 
 /// A structure, its sensors, and the unknowns to estimate from its record. Immutable; models made from it share it.

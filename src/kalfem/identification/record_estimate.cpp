@@ -128,6 +128,7 @@ RecordEstimate estimate_record_thoroughly(const EstimationProblemPtr& problem, A
   estimation.settle_substeps(budget);
   renew_bases(problem, setup, record, options, budget, estimation);
   estimation.look_for_jump(budget);
+  estimation.study_fixed_numbers(budget);
   estimation.study_process_noise(budget);
   if (estimate.second_thoughts == SecondThoughts::pending) estimate.second_thoughts = SecondThoughts::done;
   estimate.steps_left = budget.left();

@@ -25,6 +25,8 @@ enum class SecondThoughts { none, pending, done, stopped };
 /// "pending" and so on.
 std::string to_string(SecondThoughts thoughts);
 
+struct FixedNumberStudy;
+
 /// What a filter's run over a record gives: the estimates with both their deviations, whether the innovations are
 /// consistent, and the record again from the estimates alone.
 struct RecordEstimate {
@@ -54,6 +56,12 @@ struct RecordEstimate {
   std::optional<SmoothedRecord> smoothed;
   std::vector<EstimatedInput> smoothed_inputs;
   Eigen::VectorXd robust_deviation;  ///< one per unknown [its unit]; NaN if it drifts, or after a failure
+  /// How the estimates move with numbers that are held fixed, and what the record says of them; null: not looked at.
+  std::shared_ptr<const FixedNumberStudy> fixed_numbers = {};
+  /// What the settings' known_to adds to each unknown [its unit]; empty where nothing is stated. The deviations of
+  /// monitored quantities and inputs hold it, and innovations are those with the numbers as the record asks for within
+  /// what is stated.
+  Eigen::VectorXd considered_deviation = {};
   SecondThoughts second_thoughts = SecondThoughts::done;
   std::vector<std::string> left_out = {};     ///< searches that the settings' second_thoughts do not allow, in words
   double steps_left = StepBudget::unlimited;  ///< filter steps that they allow for what is still to come
@@ -81,6 +89,7 @@ struct RecordEstimateOptions {
   std::vector<OutputDescription> monitored = {};  ///< further quantities to estimate at every sample
   int deviation_stride = 1;                       ///< see EstimationOptions
   Progress progress = {};
+  std::vector<std::string> updated = {};  ///< parameters that an updating found: they are not held fixed
   /// Called with the first answer, before the second thoughts. What its substeps bias stands in its intervals.
   std::function<void(const RecordEstimate&)> on_first_answer = {};
 };

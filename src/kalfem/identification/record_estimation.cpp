@@ -6,15 +6,18 @@
 #include <limits>
 
 #include "kalfem/identification/change_hints.hpp"
+#include "kalfem/identification/fixed_number_study.hpp"
 #include "kalfem/identification/open_loop.hpp"
 #include "kalfem/identification/parameter_drift.hpp"
 #include "kalfem/identification/refined_filter.hpp"
 #include "kalfem/identification/robust_deviations.hpp"
 #include "kalfem/identification/settling.hpp"
+#include "kalfem/identification/white_innovations.hpp"
 
 namespace kalfem {
 
 using Eigen::Index;
+using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
@@ -298,6 +301,56 @@ void RecordEstimation::study_process_noise(StepBudget& budget) {
   auto study = kalfem::study_process_noise(problem_, setup_, record_, estimate_, budget);
   if (study.stopped) estimate_.leave_out("other process noise");
   estimate_.process_noise = std::move(study.trials);
+}
+
+void RecordEstimation::study_fixed_numbers(StepBudget& budget) {
+  const bool stated = !problem_->settings.known_to.empty();
+  if (estimate_.result.failure || estimate_.augmented_model->layout().unknowns == 0) return;
+  if (!stated && !problem_->settings.diagnose) return;
+  StepBudget unlimited;
+  auto found = kalfem::study_fixed_numbers(problem_, screening_->setup(), screening_->record(), estimate_, options_,
+                                           stated ? unlimited : budget);
+  if (!found) return estimate_.leave_out("how the estimates move with numbers that are held fixed");
+  estimate_.fixed_numbers = std::make_shared<const FixedNumberStudy>(std::move(found->study));
+  if (estimate_.fixed_numbers->any_stated()) take_considered(found->considered);
+}
+
+namespace {
+
+void widen(const MatrixXd& added, EstimatedSeries& series) {
+  series.deviation = (series.deviation.cwiseAbs2() + added.cwiseAbs2()).cwiseSqrt();
+}
+
+/// Monitored quantities, and the unknown inputs behind them.
+void widen(const MatrixXd& added, EstimatedSeries& monitored, std::vector<EstimatedInput>& inputs) {
+  const Index quantities = monitored.deviation.rows();
+  widen(added.topRows(quantities), monitored);
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const VectorXd of_input = added.row(quantities + static_cast<Index>(i)).transpose();
+    inputs[i].deviation = (inputs[i].deviation.cwiseAbs2() + of_input.cwiseAbs2()).cwiseSqrt();
+  }
+}
+
+}  // namespace
+
+/// Innovations are those with the fixed numbers as the record asks for within what is stated. Where these agree with
+/// the model, scores that the numbers bend widen no deviation.
+void RecordEstimation::take_considered(const ConsideredDeviations& considered) {
+  auto& result = estimate_.result;
+  estimate_.considered_deviation = estimate_.fixed_numbers->considered.rowwise().norm();
+  widen(considered.monitored, result.monitored, estimate_.inputs);
+  if (estimate_.smoothed) widen(considered.monitored, estimate_.smoothed->monitored, estimate_.smoothed_inputs);
+  const WhiteInnovations whiten(result);
+  result.innovation += considered.innovation;
+  const VectorXd nis = whiten(result.innovation).colwise().squaredNorm();
+  result.nis = result.nis.array().isFinite().select(nis, result.nis);
+  estimate_.consistency = summarise_consistency(result.nis, result.measured, result.innovation,
+                                                estimate_.measurements.noise(), estimate_.settled);
+  if (innovations_contradict(estimate_, estimate_.settled)) return;
+  const Index last = result.unknowns.deviation.cols() - 1;
+  for (Index i = 0; i < estimate_.robust_deviation.size(); ++i)
+    if (std::isfinite(estimate_.robust_deviation[i]))
+      estimate_.robust_deviation[i] = result.unknowns.deviation(i, last);
 }
 
 /// Makes the estimate of a run.

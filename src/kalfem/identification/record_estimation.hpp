@@ -8,6 +8,8 @@
 
 namespace kalfem {
 
+struct ConsideredDeviations;
+
 /// One estimation from a record, part by part; estimate() holds what is known so far:
 ///
 /// 1. answer(): the likelihood unknowns, the filter over the record without the samples of faulty sensors, and a run
@@ -32,6 +34,7 @@ public:
   /// Whether the estimates change along the record by more than what substeps leave in them.
   [[nodiscard]] bool shows_a_change() const;
   void study_process_noise(StepBudget& budget);
+  void study_fixed_numbers(StepBudget& budget);
 
   [[nodiscard]] RecordEstimate& estimate() { return estimate_; }
   [[nodiscard]] double steps() const { return screening_->steps() + other_steps_; }  ///< filter steps so far
@@ -43,6 +46,7 @@ private:
   void pass_twice(bool with_start);
   void evaluate(FilteredRecord filtered, SubstepChoice substeps);
   void add_event_of_change();
+  void take_considered(const ConsideredDeviations& considered);
   [[nodiscard]] FilterRun coarse_run(int substeps) const;
 
   EstimationProblemPtr problem_;  ///< with gains, delays and noise at their likeliest, once these are found

@@ -41,7 +41,7 @@ void add_unknowns(const Study& study, const EstimationOutcome& outcome, std::vec
          .unit = unknowns[i].unit,
          .own_unit = study.written_unit(unknowns[i].name),
          .value = outcome.result.unknowns.mean(row, last),
-         .deviation = std::fmax(outcome.result.unknowns.deviation(row, last), outcome.robust_deviation[row]),
+         .deviation = stated_deviation(outcome, row),
          .prior = confidence_interval(unknowns[i].transform, prior.mean[first + row],
                                       std::sqrt(prior.covariance(first + row, first + row))),
          .interval = Interval{stated.lower, stated.upper},

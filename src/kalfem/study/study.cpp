@@ -16,6 +16,7 @@
 #include "kalfem/study/filter_checks.hpp"
 #include "kalfem/study/inference_plan.hpp"
 #include "kalfem/study/joints.hpp"
+#include "kalfem/study/known_to_of.hpp"
 #include "kalfem/study/making_steps.hpp"
 #include "kalfem/study/placement_plan.hpp"
 #include "kalfem/study/record_source.hpp"
@@ -276,10 +277,13 @@ private:
   }
 
   void make_augmented_model(IssueList& issues) {
-    study_.problem = std::make_shared<const EstimationProblem>(make_estimation_problem(study_, issues));
+    auto problem = std::make_shared<EstimationProblem>(make_estimation_problem(study_, issues));
+    study_.problem = problem;
     if (!issues.empty()) return;
     const StructureParts start = starting_parts(study_);
-    study_.augmented_model = make_augmented_model_setup(*study_.problem, start, {}, issues);
+    study_.augmented_model = make_augmented_model_setup(*problem, start, {}, issues);
+    problem->settings.known_to =
+        known_to_of(study_.given.estimate->known_to, *problem, start, *study_.augmented_model, issues);
     check_augmented_model(study_, issues);
     start_ = study_.updating ? std::make_shared<const CoupledModel>(couple(start)) : study_.model;
   }

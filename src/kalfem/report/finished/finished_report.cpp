@@ -50,9 +50,10 @@ Table found_parameter_table(const FoundParameters& found) {
     table.rows.push_back(
         {each.name, shown.unit(), shown.value(initial), shown.value(estimate, std),
          interval ? shown.value(interval->front(), std) + " to " + shown.value(interval->back(), std) : "-",
-         !interval                            ? "-"
-         : each.interval_from == "std_robust" ? "robust std"
-                                              : each.interval_from,
+         !interval                                ? "-"
+         : each.interval_from == "std_considered" ? "known_to"
+         : each.interval_from == "std_robust"     ? "robust std"
+                                                  : each.interval_from,
          shown.deviation(std), shown.deviation(each.std_robust.value_or(unknown)), shown.value(truth),
          truth == 0.0 ? "-" : per_cent(estimate / truth - 1.0)});
   }

@@ -18,7 +18,7 @@ struct FoundParameter {
   std::string name, unit;
   std::optional<double> truth, initial, estimate, std, std_robust;
   std::optional<std::array<double, 2>> interval;  ///< 95 %
-  std::string interval_from;                      ///< "std" or "std_robust"
+  std::string interval_from;                      ///< "std", "std_robust" or "std_considered"
 
   /// The larger of the two standard deviations, on which the 95 % interval rests; nothing if neither is known.
   [[nodiscard]] std::optional<double> deviation() const;

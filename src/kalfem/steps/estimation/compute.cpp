@@ -144,11 +144,14 @@ EstimationOutcome outcome_of(const Study& study, const StudyResults& results,
 }  // namespace
 
 EstimationOutcome run_estimation(const Study& study, AugmentedModelSetup& setup, const StudyResults& results,
-                                 const Progress& progress,
+                                 const std::vector<std::string>& updated, const Progress& progress,
                                  const std::function<void(EstimationOutcome)>& on_first_answer) {
   const Stopwatch watch;
   const auto monitored = reported_quantities(*setup.model);
-  RecordEstimateOptions options{monitored, samples_between_deviations(study.sample_rate()), progress, {}};
+  RecordEstimateOptions options{.monitored = monitored,
+                                .deviation_stride = samples_between_deviations(study.sample_rate()),
+                                .progress = progress,
+                                .updated = updated};
   double first_answer = 0.0;
   options.on_first_answer = [&](const RecordEstimate& estimate) {
     first_answer = watch.seconds();

@@ -11,9 +11,10 @@
 namespace kalfem {
 
 /// Runs an augmented model of the case over the simulated or measured record, in bases of finite elements that suit the
-/// estimates: `setup` is replaced where they need others. `on_first_answer` gets the first answer, if it is given.
+/// estimates: `setup` is replaced where they need others. `updated`: parameters that an updating found.
+/// `on_first_answer` gets the first answer, if it is given.
 EstimationOutcome run_estimation(const Study& study, AugmentedModelSetup& setup, const StudyResults& results,
-                                 const Progress& progress,
+                                 const std::vector<std::string>& updated, const Progress& progress,
                                  const std::function<void(EstimationOutcome)>& on_first_answer);
 
 }  // namespace kalfem

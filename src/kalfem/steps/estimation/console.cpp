@@ -11,6 +11,8 @@
 namespace kalfem {
 namespace {
 
+constexpr std::size_t most_fixed_numbers = 5;
+
 bool depends_on_process_noise(const Verdict& verdict) {
   return std::ranges::any_of(verdict.reasons(),
                              [](const Reason& reason) { return reason.code == "process_noise_decides"; });
@@ -31,6 +33,9 @@ std::string parameters_told(const Study& study, const EstimationOutcome& outcome
                                                            four_digits(outcome.measurements.end()))
                                              : std::string("Estimated parameters\n")) +
                      to_text(parameter_table(study, outcome)) + "\n";
+  if (outcome.fixed_numbers)
+    text += considered_words(outcome) + "Numbers that are held fixed, those that matter most\n" +
+            to_text(sensitivity_table(outcome, most_fixed_numbers)) + "\n";
   if (outcome.inputs.empty()) return text;
   text += "Unknown excitations\n" + to_text(input_table(outcome)) + "\n";
   if (const auto words = hardly_known_words(outcome); !words.empty()) text += words + "\n\n";

@@ -169,7 +169,8 @@ void add_tried(const EstimationOutcome& outcome, Section& section) {
 Section parameters_section(const Study& study, const EstimationOutcome& outcome) {
   Section section{"Parameters",
                   "The 95 % interval in the table comes from the larger of the two standard deviations; `from` names "
-                  "it. The charts show the estimates over time with the 95 % bands that the filter states (std).",
+                  "it; known_to: it holds what is stated of fixed numbers, too. The charts show the estimates over "
+                  "time with the 95 % bands that the filter states (std).",
                   {parameter_table(study, outcome)}};
   for (Index i = 0; i < outcome.augmented_model->layout().unknowns; ++i) {
     Chart chart = course_of(study, outcome, i);

@@ -68,6 +68,14 @@ nlohmann::ordered_json process_noise_summary(const RecordEstimate& estimate);
 /// The same as a table: a row each unknown, a column each factor.
 Table process_noise_table(const RecordEstimate& estimate);
 
+/// The object "sensitivity": every number that was held fixed, what the record asks for, and d(estimate)/d(number).
+nlohmann::ordered_json sensitivity_summary(const RecordEstimate& estimate);
+/// The `most` numbers whose change by what is stated of them, or else by one per cent (a delay by a tenth of a sample
+/// interval), moves a parameter furthest.
+Table sensitivity_table(const RecordEstimate& estimate, std::size_t most);
+/// "k: of +- 0.31 N, 0.09 are noise, 0.3 'm3'": a line each unknown; empty where nothing is stated of fixed numbers.
+std::string considered_words(const RecordEstimate& estimate);
+
 /// Natural frequencies over the record for summary.json: each with its range and its last value.
 nlohmann::ordered_json frequencies_summary(const FrequencyCourse& course);
 /// The same as a table.

@@ -40,6 +40,8 @@ Section events_section(const std::vector<SensorEvent>& events);
 Section adaptive_noise_section(const RecordEstimate& estimate);
 /// The estimates with other process noise.
 Section process_noise_section(const RecordEstimate& estimate);
+/// Numbers that were held fixed, and what they do to the estimates.
+Section sensitivity_section(const RecordEstimate& estimate);
 /// Natural frequencies over the record: a table, and each over time with its 95 % band.
 Section frequencies_section(const FrequencyCourse& course);
 

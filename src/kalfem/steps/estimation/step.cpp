@@ -46,9 +46,9 @@ void diagnose(RunContext& context, const StructureParts& parts, EstimationOutcom
 void estimate(RunContext& context) {
   const Study& study = context.study;
   auto& results = context.results;
-  auto& outcome = results.put(
-      run_estimation(study, *context.augmented_model, results, context.job.begin("estimate"),
-                     [&](EstimationOutcome first) { tell_first(study, context.options, std::move(first), results); }));
+  auto& outcome = results.put(run_estimation(
+      study, *context.augmented_model, results, updated_parameters(context), context.job.begin("estimate"),
+      [&](EstimationOutcome first) { tell_first(study, context.options, std::move(first), results); }));
   results.failure = outcome.failure();
   const StructureParts& parts = context.updated ? *context.updated : study.structure->parts;
   diagnose(context, parts, outcome);
@@ -82,6 +82,7 @@ void summarise(const Study& study, const StudyResults& results, Json& summary) {
   if (!outcome.left_out.empty()) estimation["left_out"] = outcome.left_out;
   if (outcome.result.noise) estimation["adaptive_noise"] = adaptive_noise_summary(outcome);
   if (!outcome.process_noise.empty()) estimation["process_noise"] = process_noise_summary(outcome);
+  if (outcome.fixed_numbers) summary["sensitivity"] = sensitivity_summary(outcome);
   if (!outcome.events.empty()) summary["events"] = events_summary(outcome);
   if (outcome.frequencies) summary["frequencies"] = frequencies_summary(*outcome.frequencies);
   if (outcome.smoothed) summary["smoothed"] = smoothed_summary(outcome);
@@ -104,6 +105,7 @@ std::vector<PlacedSection> sections(const Study& study, const StudyResults& resu
   if (!outcome.has_samples()) return all;
   add(study.record ? PagePlace::measured : PagePlace::sensors, sensors_section(study, outcome));
   if (outcome.augmented_model->layout().unknowns > 0) add(PagePlace::parameters, parameters_section(study, outcome));
+  if (outcome.fixed_numbers) add(PagePlace::parameters, sensitivity_section(outcome));
   if (outcome.frequencies) add(PagePlace::motion, frequencies_section(*outcome.frequencies));
   if (outcome.result.noise) add(PagePlace::motion, adaptive_noise_section(outcome));
   if (!outcome.process_noise.empty()) add(PagePlace::motion, process_noise_section(outcome));

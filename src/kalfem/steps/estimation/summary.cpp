@@ -54,8 +54,11 @@ Json parameters_summary(const Study& study, const EstimationOutcome& outcome) {
                                 {"estimate", number(outcome.result.unknowns.mean(i, last))},
                                 {"std", number(outcome.result.unknowns.deviation(i, last))},
                                 {"std_robust", number(outcome.robust_deviation[i])},
+                                {"std_considered", number(considered_deviation(outcome, i))},
                                 {"interval_95", {number(interval.lower), number(interval.upper)}},
-                                {"interval_95_from", interval.robust ? "std_robust" : "std"},
+                                {"interval_95_from", interval.considered ? "std_considered"
+                                                     : interval.robust   ? "std_robust"
+                                                                         : "std"},
                                 {"prior_std", number(unknown.deviation)},
                                 {"moved_prior_std", number(beside_prior.moved)},
                                 {"shrinkage", number(beside_prior.shrinkage)},

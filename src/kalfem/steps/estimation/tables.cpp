@@ -31,7 +31,7 @@ void add_likelihood_unknowns(const Study& study, const LikelihoodEstimate& likel
     const DisplayUnit shown(unit, {estimate, initial, std}, study.written_unit(name));
     table.rows.push_back({name, shown.unit(), shown.value(initial), shown.value(estimate, std),
                           shown.value(interval.lower, std) + " to " + shown.value(interval.upper, std),
-                          interval.robust ? "robust std" : "std", shown.deviation(std), shown.deviation(robust),
+                          interval.robust ? "robust std" : "std", shown.deviation(std), shown.deviation(robust), "-",
                           truth ? shown.value(*truth) : "-",
                           truth && *truth != 0.0 ? per_cent(estimate / *truth - 1.0) : "-"});
   }
@@ -40,11 +40,11 @@ void add_likelihood_unknowns(const Study& study, const LikelihoodEstimate& likel
 }  // namespace
 
 Table parameter_table(const Study& study, const EstimationOutcome& outcome) {
-  Table table{
-      "Parameters",
-      {"parameter", "unit", "initial", "estimate", "95 % interval", "from", "std", "robust std", "truth", "error"},
-      {},
-      {}};
+  Table table{"Parameters",
+              {"parameter", "unit", "initial", "estimate", "95 % interval", "from", "std", "robust std",
+               "considered std", "truth", "error"},
+              {},
+              {}};
   const auto last = outcome.result.unknowns.mean.cols() - 1;
   for (std::size_t i = 0; i < outcome.augmented_model->options().unknowns.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
@@ -58,15 +58,17 @@ Table parameter_table(const Study& study, const EstimationOutcome& outcome) {
     const auto between = [&](double least, double greatest) {
       return shown.value(least, std) + " to " + shown.value(greatest, std);
     };
-    table.rows.push_back({unknown.name, shown.unit(), shown.value(unknown.initial),
-                          range ? between(range->least, range->greatest) : shown.value(estimate, std),
-                          range ? between(range->lower, range->upper) : between(interval.lower, interval.upper),
-                          range             ? "all of the record"
-                          : interval.robust ? "robust std"
-                                            : "std",
-                          shown.deviation(std), shown.deviation(outcome.robust_deviation[row]),
-                          truth ? shown.value(*truth) : "-",
-                          truth && *truth != 0.0 ? per_cent(estimate / *truth - 1.0) : "-"});
+    table.rows.push_back(
+        {unknown.name, shown.unit(), shown.value(unknown.initial),
+         range ? between(range->least, range->greatest) : shown.value(estimate, std),
+         range ? between(range->lower, range->upper) : between(interval.lower, interval.upper),
+         range                 ? "all of the record"
+         : interval.considered ? "known_to"
+         : interval.robust     ? "robust std"
+                               : "std",
+         shown.deviation(std), shown.deviation(outcome.robust_deviation[row]),
+         outcome.considered_deviation.size() > 0 ? shown.deviation(considered_deviation(outcome, row)) : "-",
+         truth ? shown.value(*truth) : "-", truth && *truth != 0.0 ? per_cent(estimate / *truth - 1.0) : "-"});
   }
   if (outcome.likelihood) add_likelihood_unknowns(study, *outcome.likelihood, table);
   return without_empty_columns(std::move(table));

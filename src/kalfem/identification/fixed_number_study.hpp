@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Dense>
+#include <vector>
+
+#include "kalfem/identification/fixed_numbers.hpp"
+#include "kalfem/identification/step_budget.hpp"
+#include "kalfem/records/record.hpp"
+
+namespace kalfem {
+
+struct RecordEstimate;
+struct RecordEstimateOptions;
+
+/// How an estimation moves with the numbers c that it holds fixed, and what the record says of them. Each c_i is
+/// counted in its scale; c = 0 is the value that is held.
+struct FixedNumberStudy {
+  std::vector<FixedNumber> numbers;
+  Eigen::MatrixXd shift;  ///< d theta_j / d c_i, the last estimates of the unknowns, unknowns x numbers [their unit]
+  Eigen::VectorXd score;  ///< g_i = d ln L / d c_i
+  /// I_ij = -d2 ln L / d c_i d c_j, the unknowns estimated along with c.
+  Eigen::MatrixXd information;
+  /// The most likely change of each stated number within what is stated: (I + S^-1)^-1 g, S the stated variances; 0 of
+  /// the others.
+  Eigen::VectorXd allowed;
+  /// What the record asks for: the change of c_i alone that makes it most likely, the other stated numbers allowed for;
+  /// its standard deviation, infinite where the record does not tell; and the rise of ln L.
+  Eigen::VectorXd asked, asked_deviation, gain;
+  /// Standard deviations that the stated ones of the numbers add to the unknowns, each by itself, unknowns x numbers.
+  Eigen::MatrixXd considered;
+  std::vector<std::string> failed = {};  ///< numbers beside whose value no run was possible
+
+  [[nodiscard]] Eigen::Index size() const { return score.size(); }
+  [[nodiscard]] bool any_stated() const;
+};
+
+/// Standard deviations that the stated ones of fixed numbers add to unknowns and monitored quantities.
+struct ConsideredDeviations {
+  Eigen::MatrixXd unknowns;    ///< of the filter's state, unknowns x samples
+  Eigen::MatrixXd monitored;   ///< quantities x samples
+  Eigen::MatrixXd innovation;  ///< what the allowed changes add to the innovations, channels x samples
+};
+
+struct FixedNumberResult {
+  FixedNumberStudy study;
+  ConsideredDeviations considered;  ///< empty where nothing is stated
+};
+
+/// Score test of every number that an estimation holds fixed (Rao 1948, Proc. Camb. Phil. Soc. 44, 50-57), and what
+/// numbers that are known to some deviation add to its own (consider parameters: Schmidt 1966, Advances in Control
+/// Systems 3, 293-340).
+///
+/// The filter runs once more, about the estimates, and keeps its gains K_k; beside each number a run of the mean alone
+/// with these gains (run_with_gains()) tells how innovations and estimates move,
+///     D_i,k = d nu_k / d c_i,   d theta / d c_i,
+/// and with the innovations nu_k and their covariances S_k of the filter
+///     g_i = -sum_k D_i,k^T S_k^-1 nu_k,   I_ij = sum_k D_i,k^T S_k^-1 D_j,k.
+/// Gains and S_k do not depend on c here: what that leaves out is of second order where innovations are white.
+///
+/// Nothing where the filter stops, the estimates make no structure, or its gains and derivatives need more than a
+/// gigabyte; `budget`: filter steps.
+std::optional<FixedNumberResult> study_fixed_numbers(const EstimationProblemPtr& problem,
+                                                     const AugmentedModelSetup& setup, const Record& record,
+                                                     const RecordEstimate& estimate,
+                                                     const RecordEstimateOptions& options, StepBudget& budget);
+
+}  // namespace kalfem

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "kalfem/identification/augmented_model_setup.hpp"
+#include "kalfem/identification/known_to.hpp"
+
+namespace kalfem {
+
+/// What a number is, in the groups by which KnownTo names them.
+enum class FixedNumberKind { mass, stiffness, damping, law, gain, excitation, delay };
+
+/// "masses", "stiffnesses", "damping", "laws", "gains", "excitations", "delays".
+std::string group_of(FixedNumberKind kind);
+
+/// A number of an estimation that is held fixed: of the structure, the gain or delay of a sensor, or those of an
+/// excitation. A change of it is counted in its `scale`.
+struct FixedNumber {
+  std::string name;
+  std::string unit = {};
+  double value = 0.0;
+  double scale = 0.0;  ///< |value|; of a delay 1 s; of a number that is 0 its stated deviation
+  FixedNumberKind kind = FixedNumberKind::law;
+  std::optional<Parameter> parameter = {};  ///< of the structure
+  double deviation = 0.0;                   ///< stated by KnownTo [scale]; 0: taken as exact
+
+  [[nodiscard]] bool is_delay() const { return kind == FixedNumberKind::delay; }
+};
+
+/// The parameters of a structure with their values in these parts, but for those in `estimated`.
+std::vector<Parameter> fixed_parameters(const StructureModel& structure, const StructureParts& parts,
+                                        const std::set<std::string>& estimated);
+
+/// The names of parameters that the filter estimates, and of those that an updating found.
+std::set<std::string> estimated_parameters(const EstimationSettings& settings, const std::vector<std::string>& updated);
+
+/// Every number that an estimation holds fixed, in the order of the structure, then of the sensors and excitations of
+/// `setup`. `updated`: parameters that an updating found.
+std::vector<FixedNumber> held_numbers(const EstimationProblem& problem, const StructureParts& parts,
+                                      const AugmentedModelSetup& setup, const std::vector<std::string>& updated);
+
+/// Those that are not zero, or stated by the settings' known_to, with what is stated.
+std::vector<FixedNumber> fixed_numbers(const EstimationProblem& problem, const StructureParts& parts,
+                                       const AugmentedModelSetup& setup, const std::vector<std::string>& updated);
+
+/// Mistakes of what is stated of fixed numbers, which go to `issues`: a name that no number has, an unknown, a
+/// deviation that is not above 0 or a relative one above 100 %, a relative one of numbers that are 0 or of a delay.
+void check_known_to(const EstimationProblem& problem, const StructureParts& parts, const AugmentedModelSetup& setup,
+                    IssueList& issues);
+
+}  // namespace kalfem

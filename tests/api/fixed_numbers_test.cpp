@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include "chain.hpp"
+
+namespace kalfem {
+namespace {
+
+using testing::HasSubstr;
+
+/// Three masses in a row, two of them on cubic springs, driven by a force.
+struct Given {
+  double mass = 1.0, gain = 1.0;  ///< of the second mass [kg]; of the sensor at the third
+};
+
+Structure chain_of_three(double second_mass) {
+  Structure s;
+  s.add(lumped("s")
+            .mass("1", 1.0)
+            .mass("2", second_mass)
+            .mass("3", 1.0)
+            .spring("k1", "ground", "1", 2e3, 3.0)
+            .spring("k2", "1", "2", 1.5e3, 2.0)
+            .spring("k3", "2", "3", 1.2e3, 2.0));
+  s.connect("mount", "s.3", "s.ground", law("cubic", {{"k", 400.0}, {"k3", 4e6}, {"c", 1.0}}));
+  const Eigen::VectorXd t = Eigen::VectorXd::LinSpaced(4001, 0.0, 20.0);
+  Eigen::VectorXd force(t.size());
+  for (Eigen::Index k = 0; k < t.size(); ++k)
+    force[k] = 3.0 * (std::sin(9.0 * t[k]) + std::sin(23.7 * t[k] + 1.0) + std::sin(41.3 * t[k] + 0.3) +
+                      std::sin(63.1 * t[k] + 2.0));
+  s.force("shaker", "s.1", Samples{force, 200.0, 0.0});
+  return s;
+}
+
+EstimateOptions options() {
+  EstimateOptions o;
+  o.sensors = {{"a1", acceleration("s.1"), 0.1}, {"a3", acceleration("s.3"), 0.1}};
+  o.unknowns = {{"mount.k3", {.initial = 3e6, .std = 1e6}}, {"s.k2.stiffness", {.initial = 1.4e3, .std = 300.0}}};
+  return o;
+}
+
+Record record_of(const Given& truth, std::uint64_t seed) {
+  Record record = simulate(chain_of_three(truth.mass),
+                           {.sensors = options().sensors, .duration = 20.0, .sample_rate = 200.0, .seed = seed})
+                      .record;
+  record.values.row(record.find("a3")) *= truth.gain;
+  return record;
+}
+
+EstimateResult estimated(const Record& record, double mass = 1.0, std::vector<KnownTo> known_to = {},
+                         std::optional<int> substeps = {}) {
+  EstimateOptions o = options();
+  o.substeps = substeps;
+  o.known_to = std::move(known_to);
+  return estimate(chain_of_three(mass), record, o);
+}
+
+const FixedNumberEffect& effect(const EstimateResult& result, const std::string& name) {
+  return *std::ranges::find(result.fixed_numbers, name, &FixedNumberEffect::name);
+}
+
+/// Of every number by itself: estimations with the number a little larger and smaller.
+TEST(FixedNumbers, ShiftsAndScoresAreThoseOfWholeEstimations) {
+  const Record record = record_of({}, 1);
+  const auto at = [&](double mass) { return estimated(record, mass, {}, 8); };
+  const auto result = at(1.0);
+  ASSERT_FALSE(result.fixed_numbers.empty());
+  constexpr double h = 2e-3;
+  const auto larger = at(1.0 + h), smaller = at(1.0 - h);
+  const auto& mass = effect(result, "s.2.mass");
+  for (std::size_t j = 0; j < 2; ++j) {
+    const double shift = (larger.parameters[j].mean - smaller.parameters[j].mean) / (2.0 * h);
+    EXPECT_NEAR(mass.shift[j] / shift, 1.0, 0.05) << result.parameters[j].name;
+  }
+  const double information = -(larger.log_likelihood - 2.0 * result.log_likelihood + smaller.log_likelihood) / (h * h);
+  EXPECT_NEAR(1.0 / (mass.asked_std * mass.asked_std) / information, 1.0, 0.1);
+  const double score = (larger.log_likelihood - smaller.log_likelihood) / (2.0 * h);
+  // the score of a right model is noise of the size sqrt(I)
+  EXPECT_NEAR(mass.asked / (mass.asked_std * mass.asked_std), score, 0.2 * std::sqrt(information));
+}
+
+TEST(FixedNumbers, AMassOnePerCentHeavierIsNamedWithItsSize) {
+  const auto result = estimated(record_of({.mass = 1.01}, 2));
+  const auto& mass = effect(result, "s.2.mass");
+  EXPECT_NEAR(mass.asked, 0.01, 3.5 * mass.asked_std);
+  EXPECT_EQ(result.verdict.state(), VerdictState::suspicious);
+  const auto reason = result.verdict.reasons().front();
+  EXPECT_EQ(reason.code, "fixed_parameter");
+  EXPECT_TRUE(reason.subject == "s.2.mass" || reason.text.find("s.2.mass") != std::string::npos) << reason.text;
+}
+
+TEST(FixedNumbers, AGainOfASensorIsOneOfThem) {
+  const auto result = estimated(record_of({.gain = 1.02}, 3));
+  const auto& gain = effect(result, "a3.gain");
+  EXPECT_NEAR(gain.asked, 0.02, 0.002 + 3.5 * gain.asked_std);
+  EXPECT_EQ(result.verdict.reasons().front().code, "fixed_parameter");
+  EXPECT_THAT(result.verdict.reasons().front().remedy, HasSubstr("known_to"));
+}
+
+TEST(FixedNumbers, ARightModelIsNotBlamed) {
+  for (std::uint64_t seed = 11; seed < 17; ++seed)
+    for (const auto& reason : estimated(record_of({}, seed)).verdict.reasons())
+      EXPECT_NE(reason.code, "fixed_parameter") << reason.text;
+}
+
+/// What is stated is added by squares, and the verdict no longer speaks of it.
+TEST(FixedNumbers, WhatIsStatedStandsInTheIntervals) {
+  const auto result = estimated(record_of({.mass = 1.01}, 2), 1.0, {{.name = "masses", .deviation = 0.01}});
+  const double truth[] = {4e6, 1.5e3};
+  for (std::size_t j = 0; j < 2; ++j) {
+    const auto& parameter = result.parameters[j];
+    double squares = parameter.std * parameter.std;
+    for (const auto& each : result.fixed_numbers) squares += each.considered[j] * each.considered[j];
+    EXPECT_NEAR(parameter.std_considered, std::sqrt(squares), 1e-12 * parameter.std_considered);
+    EXPECT_LT(parameter.interval_95.lower, truth[j]);
+    EXPECT_GT(parameter.interval_95.upper, truth[j]);
+  }
+  for (const auto& reason : result.verdict.reasons()) EXPECT_NE(reason.code, "fixed_parameter") << reason.text;
+  EXPECT_DOUBLE_EQ(effect(result, "s.1.mass").known_to, 0.01);
+  EXPECT_DOUBLE_EQ(effect(result, "s.k1.stiffness").known_to, 0.0);
+}
+
+TEST(FixedNumbers, TheLongestNameCounts) {
+  const auto result = estimated(record_of({}, 4), 1.0,
+                                {{.name = "s", .deviation = 0.02},
+                                 {.name = "s.2", .deviation = 0.03},
+                                 {.name = "masses", .deviation = 0.01},
+                                 {.name = "a1.delay", .deviation = 1e-4, .relative = false}});
+  EXPECT_DOUBLE_EQ(effect(result, "s.2.mass").known_to, 0.03);
+  EXPECT_DOUBLE_EQ(effect(result, "s.1.mass").known_to, 0.02);
+  EXPECT_DOUBLE_EQ(effect(result, "a1.delay").known_to, 1e-4);
+}
+
+TEST(FixedNumbers, RefusesWhatCannotBeStated) {
+  const Record record = record_of({}, 5);
+  const std::vector<KnownTo> stated{
+      {.name = "s.4.mass", .deviation = 0.01}, {.name = "s.k2.stiffness", .deviation = 0.01},
+      {.name = "s.1.mass", .deviation = 0.0},  {.name = "gains", .deviation = 1.5},
+      {.name = "a1.delay", .deviation = 0.01}, {.name = "s", .deviation = 0.01, .relative = false}};
+  const auto message = refusal_of([&] { return estimated(record, 1.0, stated); });
+  EXPECT_THAT(message, HasSubstr("known_to.s.4.mass: no fixed number has this name (did you mean 's."));
+  EXPECT_THAT(message, HasSubstr("known_to.s.k2.stiffness: it is estimated"));
+  EXPECT_THAT(message, HasSubstr("known_to.s.1.mass: it is 0"));
+  EXPECT_THAT(message, HasSubstr("known_to.gains: it is 150 %"));
+  EXPECT_THAT(message, HasSubstr("known_to.a1.delay: a percentage of a number that is 0"));
+  EXPECT_THAT(message, HasSubstr("known_to.s: one deviation for numbers of several units"));
+}
+
+}  // namespace
+}  // namespace kalfem
