@@ -64,9 +64,13 @@ TEST(SmallMistakes, AreNotSilentlyWrong) {
     off += worst > 4.0 ? 1 : 0;
     named += worst > 4.0 && is_named ? 1 : 0;
     silent += worst > 4.0 && consistent ? 1 : 0;
+    const auto effect = std::ranges::find(found.fixed_numbers, name, &FixedNumberEffect::name);
+    const std::string told = effect == found.fixed_numbers.end()
+                                 ? "not looked at"
+                                 : fmt::format("{:+.3g} +- {:.2g}", effect->asked, effect->asked_std);
     if (worst > 4.0)
-      std::cout << fmt::format("{} {}: {} times {:.4g}, worst {:.3g} deviations, {}{}{}\n", seed, given.kind, name,
-                               factor, worst, to_string(found.verdict.state()), codes_of(found.verdict),
+      std::cout << fmt::format("{} {}: {} times {:.4g} ({}), worst {:.3g} deviations, {}{}{}\n", seed, given.kind, name,
+                               factor, told, worst, to_string(found.verdict.state()), codes_of(found.verdict),
                                reasons.empty() ? "" : "; " + reasons.front().text)
                 << std::flush;
   }

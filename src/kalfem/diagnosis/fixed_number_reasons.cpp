@@ -9,7 +9,6 @@
 
 #include "kalfem/identification/robust_deviations.hpp"
 #include "kalfem/identification/stated_interval.hpp"
-#include "kalfem/statistics/quantiles.hpp"
 
 namespace kalfem {
 
@@ -17,7 +16,6 @@ using Eigen::Index;
 
 namespace {
 
-constexpr double level = 0.001;       ///< of the test of all numbers together
 constexpr double matters = 1.0;       ///< standard deviations of an unknown
 constexpr double as_likely = 3.0;     ///< log-likelihood by which explanations are told apart
 constexpr double small_change = 0.1;  ///< of a number, in its scale
@@ -30,11 +28,9 @@ double interval_deviation(const RecordEstimate& estimate, Index unknown) {
   return (interval.upper - interval.lower) / (2.0 * 1.96);
 }
 
-bool is_significant(const FixedNumberStudy& study, Index i) {
-  const double stated = study.numbers[static_cast<std::size_t>(i)].deviation;
-  const double expected = std::hypot(stated, study.asked_deviation[i]);
-  const double limit = normal_quantile(1.0 - 0.5 * level / static_cast<double>(study.size()));
-  return std::isfinite(expected) && std::abs(study.asked[i]) > limit * expected;
+/// Whether a run with the change found at least half of the rise of ln L that its linear prediction promises.
+bool is_confirmed(const FixedNumberStudy& study, Index i) {
+  return study.any_stated() || study.confirmed[i] > 0.5 * study.gain[i];
 }
 
 bool moves_an_unknown(const RecordEstimate& estimate, Index i) {
@@ -55,7 +51,7 @@ std::vector<Index> asked_for(const RecordEstimate& estimate) {
   const auto& study = *estimate.fixed_numbers;
   std::vector<Index> asked;
   for (Index i = 0; i < study.size(); ++i)
-    if (is_significant(study, i) && moves_an_unknown(estimate, i)) asked.push_back(i);
+    if (study.is_significant(i) && is_confirmed(study, i) && moves_an_unknown(estimate, i)) asked.push_back(i);
   std::ranges::stable_sort(asked, std::ranges::greater{}, [&](Index i) { return study.gain[i]; });
   return asked;
 }

@@ -9,6 +9,7 @@
 #include "kalfem/estimation/fixed_gain.hpp"
 #include "kalfem/identification/record_estimate.hpp"
 #include "kalfem/identification/white_innovations.hpp"
+#include "kalfem/statistics/quantiles.hpp"
 
 namespace kalfem {
 
@@ -22,9 +23,14 @@ constexpr double step = 1e-4;        ///< of a number beside its value, in its s
 constexpr double most_memory = 1e9;  ///< of gains and derivatives [byte]
 constexpr std::size_t runs_at_once = 8;
 const std::vector<OutputDescription> no_outputs;
+constexpr double narrow = 20.0;  ///< prior about the estimates, in their deviations
+constexpr double level = 0.001;  ///< of the test of all numbers together
+constexpr std::size_t most_confirmed = 3;
+constexpr double most_change = 0.5;   ///< in a number's scale, of a run with it
 constexpr double cost_of_mean = 0.1;  ///< filter steps that a step of the mean alone costs, about
 
-/// The problem with the unknowns beginning at the estimates, as wide in the filter's state as their priors.
+/// The problem with the unknowns beginning at the estimates, within 20 of their deviations: sigma points of a wide
+/// prior see another model than the one that the filter ends with.
 EstimationProblemPtr about_estimates(const EstimationProblem& problem, const RecordEstimate& estimate) {
   auto about = std::make_shared<EstimationProblem>(problem);
   const Index last = estimate.result.unknowns.mean.cols() - 1;
@@ -35,7 +41,8 @@ EstimationProblemPtr about_estimates(const EstimationProblem& problem, const Rec
     const double slope = unknown.transform.slope(unknown.transform.to_state(value));
     if (unknown.random_walk > 0.0 || !(slope > 1e-6 * before)) continue;
     unknown.initial = value;
-    unknown.deviation *= slope / before;
+    const double own = estimate.result.unknowns.deviation(static_cast<Index>(i), last);
+    unknown.deviation = std::min(unknown.deviation * slope / before, narrow * own);
   }
   about->settings.substeps = estimate.augmented_model->options().substeps;
   about->settings.passes = 1;
@@ -81,22 +88,31 @@ public:
   /// The run with the numbers as they are. False where it fails.
   bool run_base(Gains gains) {
     gains_ = std::move(gains);
-    auto base = run({.problem = problem_, .setup = base_setup_, .monitors = any_stated()});
+    auto base = run({problem_, base_setup_}, any_stated());
     if (base) base_ = std::move(*base);
     return base.has_value();
   }
 
   /// d(.)/d c_i of everything that a run of the mean gives, by a run beside number i.
   [[nodiscard]] std::optional<FixedGainMeans> derivative(std::size_t i) const try {
-    const FixedNumber& number = numbers_[i];
-    auto moved = number.parameter ? run_with_parameter(i) : run_with_signal(number);
+    const bool monitors = numbers_[i].deviation > 0.0;
+    auto moved = run(change_of(i, step), monitors);
     if (!moved) return std::nullopt;
-    if (number.deviation > 0.0) moved->monitored = (moved->monitored - base_.monitored) / step;
+    if (monitors) moved->monitored = (moved->monitored - base_.monitored) / step;
     moved->innovation = (moved->innovation - base_.innovation) / step;
     moved->unknowns = (moved->unknowns - base_.unknowns) / step;
     return moved;
   } catch (const InvalidInput&) {
     return std::nullopt;  // beside its value there is no structure
+  }
+
+  /// ln L of the filter with number i changed; minus infinity where it stops.
+  [[nodiscard]] double log_likelihood(std::size_t i, double change, const EstimationOptions& options) const try {
+    const FilterRun changed = run_of(change_of(i, change));
+    const EstimationResult result = kalfem::estimate(*changed.choice.augmented_model, changed.input, options);
+    return result.failure ? -std::numeric_limits<double>::infinity() : result.log_likelihood;
+  } catch (const InvalidInput&) {
+    return -std::numeric_limits<double>::infinity();
   }
 
 private:
@@ -134,9 +150,20 @@ private:
     return setup;
   }
 
-  [[nodiscard]] std::optional<FixedGainMeans> run_with_parameter(std::size_t i) const {
+  /// The model of a run, and what is added to what it is given.
+  struct Change {
+    EstimationProblemPtr problem;
+    AugmentedModelSetup setup;
+    MatrixXd to_measured = {}, to_inputs = {};
+  };
+
+  [[nodiscard]] Change change_of(std::size_t i, double change) const {
+    return numbers_[i].parameter ? change_of_parameter(i, change) : change_of_signal(numbers_[i], change);
+  }
+
+  [[nodiscard]] Change change_of_parameter(std::size_t i, double change) const {
     const FixedNumber& number = numbers_[i];
-    const double value = number.value + step * number.scale;
+    const double value = number.value + change * number.scale;
     StructureParts parts = parts_;
     auto changed = std::make_shared<EstimationProblem>(*problem_);
     if (set_parameter(parts, *number.parameter, value)) {
@@ -150,55 +177,60 @@ private:
       values[own->index] = value;
       parts.finite_elements = elements_->near(reduced_, values).finite_elements;
     }
-    return run({.problem = changed, .setup = setup_of(changed, parts), .monitors = number.deviation > 0.0});
+    return {changed, setup_of(changed, parts)};
   }
 
   /// A sensor's recorded samples, or an excitation, as a gain or delay changes them. The sensor's are those that the
   /// model predicts: recorded ones hold the noise too.
-  [[nodiscard]] std::optional<FixedGainMeans> run_with_signal(const FixedNumber& number) const {
+  [[nodiscard]] Change change_of_signal(const FixedNumber& number, double change) const {
     const std::string of = number.name.substr(0, number.name.rfind('.'));
-    const auto& input = filter_.input;
-    if (const Index row = input.measured.find(of); row >= 0) {
-      MatrixXd added = MatrixXd::Zero(input.measured.values.rows(), input.measured.samples());
-      const MatrixXd predicted = input.measured.values.row(row).leftCols(added.cols()) - base_.innovation.row(row);
-      added.row(row) = number.is_delay() ? MatrixXd(rate_of(predicted) * problem_->sample_rate) : MatrixXd(-predicted);
-      return run(
-          {.problem = problem_, .setup = base_setup_, .to_measured = step * added, .monitors = number.deviation > 0.0});
-    }
+    if (const Index row = filter_.input.measured.find(of); row >= 0)
+      return {problem_, base_setup_, change * added_to_sensor(row, number.is_delay()), {}};
     const auto source = std::ranges::find_if(base_setup_.input_sources,
                                              [&](const std::string& each) { return each == of || each == "@" + of; });
-    const Index i = source - base_setup_.input_sources.begin(), n_u = input.inputs.rows() / 3;
-    MatrixXd added = MatrixXd::Zero(input.inputs.rows(), input.inputs.cols());
-    const double columns = problem_->sample_rate *
-                           static_cast<double>(input.input_stride(filter_.choice.augmented_model->options().substeps));
-    for (Index d = 0; d < 3; ++d) {
-      const Index row = d * n_u + i;
-      if (!number.is_delay())
-        added.row(row) = input.inputs.row(row);
-      else if (d < 2)
-        added.row(row) = -input.inputs.row(row + n_u);
-      else
-        added.row(row) = -columns * rate_of(input.inputs.row(row));
-    }
-    return run(
-        {.problem = problem_, .setup = base_setup_, .to_inputs = step * added, .monitors = number.deviation > 0.0});
+    return {problem_,
+            base_setup_,
+            {},
+            change * added_to_input(source - base_setup_.input_sources.begin(), number.is_delay())};
   }
 
-  /// The model of a run of the mean, and what is added to what it is given.
-  struct Change {
-    EstimationProblemPtr problem;
-    AugmentedModelSetup setup;
-    MatrixXd to_measured = {}, to_inputs = {};
-    bool monitors = false;  ///< whether the monitored quantities are wanted: they cost as much as the run
-  };
+  [[nodiscard]] MatrixXd added_to_sensor(Index row, bool delay) const {
+    const auto& measured = filter_.input.measured;
+    MatrixXd added = MatrixXd::Zero(measured.values.rows(), measured.samples());
+    const MatrixXd predicted = measured.values.row(row).leftCols(added.cols()) - base_.innovation.row(row);
+    added.row(row) = delay ? MatrixXd(problem_->sample_rate * rate_of(predicted)) : MatrixXd(-predicted);
+    return added;
+  }
 
-  [[nodiscard]] std::optional<FixedGainMeans> run(const Change& change) const {
-    FilterRun beside = make_filter_run_like(filter_, change.problem, change.setup, record_, StateCoordinates::physical);
+  [[nodiscard]] MatrixXd added_to_input(Index i, bool delay) const {
+    const MatrixXd& inputs = filter_.input.inputs;
+    const Index n_u = inputs.rows() / 3, stride = filter_.input.input_stride(*problem_->settings.substeps);
+    MatrixXd added = MatrixXd::Zero(inputs.rows(), inputs.cols());
+    for (Index d = 0; d < 3; ++d) {
+      const Index row = d * n_u + i;
+      if (!delay)
+        added.row(row) = inputs.row(row);
+      else if (d < 2)
+        added.row(row) = -inputs.row(row + n_u);
+      else
+        added.row(row) = -problem_->sample_rate * static_cast<double>(stride) * rate_of(inputs.row(row));
+    }
+    return added;
+  }
+
+  [[nodiscard]] FilterRun run_of(const Change& change, std::optional<StateCoordinates> coordinates = {}) const {
+    FilterRun beside = make_filter_run_like(filter_, change.problem, change.setup, record_, coordinates);
     if (change.to_measured.size() > 0)
       beside.input.measured.values.leftCols(change.to_measured.cols()) += change.to_measured;
     if (change.to_inputs.size() > 0) beside.input.inputs += change.to_inputs;
-    OutputMap monitored = make_outputs(*change.setup.model, change.monitors ? monitored_ : no_outputs);
-    if (change.monitors)
+    return beside;
+  }
+
+  /// The mean with the gains; monitored quantities cost as much as the run, and are left out where they are not wanted.
+  [[nodiscard]] std::optional<FixedGainMeans> run(const Change& change, bool monitors) const {
+    const FilterRun beside = run_of(change, StateCoordinates::physical);
+    OutputMap monitored = make_outputs(*change.setup.model, monitors ? monitored_ : no_outputs);
+    if (monitors)
       monitored = with_inputs(std::move(monitored), held_by(problem_->settings.unknown_inputs, change.setup),
                               *change.setup.model);
     return run_with_gains(*beside.choice.augmented_model, beside.input, gains_, monitored, 0);
@@ -290,6 +322,7 @@ public:
     study.numbers = numbers;
     study.shift = study.considered = MatrixXd::Zero(slope_.size(), count);
     study.score = VectorXd::Zero(count);
+    study.confirmed = VectorXd::Constant(count, std::numeric_limits<double>::quiet_NaN());
     white_.setZero(innovation_.size(), count);
     if (!study.any_stated()) return;
     const Index quantities = estimate.result.monitored.mean.rows() + std::ssize(estimate.inputs);
@@ -346,7 +379,30 @@ private:
   FixedNumberResult found_;
 };
 
+/// Runs the filter with the likeliest changes themselves, as their linear prediction may reach too far: along a
+/// direction that the record hardly tells, a change is large. Where numbers are stated the prediction counts.
+void confirm(const RunsBeside& runs, EstimationOptions options, double log_likelihood, FixedNumberStudy& study) {
+  if (study.any_stated()) return;
+  options.keep_gains = false;
+  std::vector<Index> likely;
+  for (Index i = 0; i < study.size(); ++i)
+    if (study.is_significant(i)) likely.push_back(i);
+  std::ranges::stable_sort(likely, std::ranges::greater{}, [&](Index i) { return study.gain[i]; });
+  if (likely.size() > most_confirmed) likely.resize(most_confirmed);
+  for_each_index(likely.size(), processors(), [&](std::size_t n) {
+    const Index i = likely[n];
+    const double change = std::clamp(study.asked[i], -most_change, most_change);
+    study.confirmed[i] = runs.log_likelihood(static_cast<std::size_t>(i), change, options) - log_likelihood;
+  });
+}
+
 }  // namespace
+
+bool FixedNumberStudy::is_significant(Index i) const {
+  const double expected = std::hypot(numbers[static_cast<std::size_t>(i)].deviation, asked_deviation[i]);
+  const double limit = normal_quantile(1.0 - 0.5 * level / static_cast<double>(size()));
+  return std::isfinite(expected) && std::abs(asked[i]) > limit * expected;
+}
 
 bool FixedNumberStudy::any_stated() const {
   return std::ranges::any_of(numbers, [](const FixedNumber& number) { return number.deviation > 0.0; });
@@ -364,8 +420,8 @@ std::optional<FixedNumberResult> study_fixed_numbers(const EstimationProblemPtr&
   if (!budget.take(pass * (1.0 + cost_of_mean * static_cast<double>(count + 1)))) return std::nullopt;
 
   const FilterRun& filter = runs.filter();
-  EstimationResult result = kalfem::estimate(*filter.choice.augmented_model, filter.input,
-                                             filter_options(filter, problem->settings, estimate));
+  EstimationOptions options_of_filter = filter_options(filter, problem->settings, estimate);
+  EstimationResult result = kalfem::estimate(*filter.choice.augmented_model, filter.input, options_of_filter);
   if (result.failure || !runs.run_base(std::move(result.gains))) return std::nullopt;
   Collection collection(runs.numbers(), result, estimate);
   for (std::size_t first = 0; first < count; first += runs_at_once) {
@@ -375,6 +431,7 @@ std::optional<FixedNumberResult> study_fixed_numbers(const EstimationProblemPtr&
     for (std::size_t n = 0; n < derivatives.size(); ++n) collection.take(first + n, derivatives[n]);
   }
   FixedNumberResult found = std::move(collection).finish();
+  confirm(runs, options_of_filter, result.log_likelihood, found.study);
   found.study.failed.insert(found.study.failed.end(), runs.left_out().begin(), runs.left_out().end());
   return found;
 } catch (const InvalidInput&) {

@@ -27,12 +27,18 @@ struct FixedNumberStudy {
   /// What the record asks for: the change of c_i alone that makes it most likely, the other stated numbers allowed for;
   /// its standard deviation, infinite where the record does not tell; and the rise of ln L.
   Eigen::VectorXd asked, asked_deviation, gain;
+  /// The rise of ln L that a run of the filter with the asked change found, of the likeliest significant ones; not a
+  /// number of the others.
+  Eigen::VectorXd confirmed;
   /// Standard deviations that the stated ones of the numbers add to the unknowns, each by itself, unknowns x numbers.
   Eigen::MatrixXd considered;
   std::vector<std::string> failed = {};  ///< numbers beside whose value no run was possible
 
   [[nodiscard]] Eigen::Index size() const { return score.size(); }
   [[nodiscard]] bool any_stated() const;
+  /// Whether the change that the record asks for is significant at .1 % over all numbers together, beyond what is
+  /// stated of the number.
+  [[nodiscard]] bool is_significant(Eigen::Index i) const;
 };
 
 /// Standard deviations that the stated ones of fixed numbers add to unknowns and monitored quantities.
