@@ -23,7 +23,9 @@ TEST_P(SecondPass, MendsWhatAFirstGuessFarOffDid) {
   once.second_thoughts = 0.0;
   EXPECT_NE(estimate(given.structure, given.record, once).verdict.state(), VerdictState::consistent);
   const auto found = estimate(given.structure, given.record, given.options);
-  EXPECT_EQ(found.verdict.state(), VerdictState::consistent) << codes_of(found.verdict);
+  EXPECT_EQ(found.verdict.state(), VerdictState::consistent)
+      << codes_of(found.verdict) << " "
+      << (found.verdict.reasons().empty() ? "" : found.verdict.reasons().front().text);
   for (std::size_t i = 0; i < given.truth.size(); ++i)
     EXPECT_NEAR(found.parameters[i].mean, given.truth[i], 3.0 * found.parameters[i].std) << found.parameters[i].name;
 }

@@ -16,8 +16,9 @@ using Eigen::Index;
 
 namespace {
 
-constexpr double matters = 1.0;       ///< standard deviations of an unknown
-constexpr double as_likely = 3.0;     ///< log-likelihood by which explanations are told apart
+constexpr double matters = 1.0;    ///< standard deviations of an unknown
+constexpr double as_likely = 3.0;  ///< log-likelihood by which explanations are told apart
+constexpr double part_of_substep = 0.5;
 constexpr double small_change = 0.1;  ///< of a number, in its scale
 constexpr double explained = 1.2;     ///< mean NIS over what is expected
 constexpr std::size_t most_named = 4;
@@ -31,6 +32,13 @@ double interval_deviation(const RecordEstimate& estimate, Index unknown) {
 /// Whether a run with the change found at least half of the rise of ln L that its linear prediction promises.
 bool is_confirmed(const FixedNumberStudy& study, Index i) {
   return study.any_stated() || study.confirmed[i] > 0.5 * study.gain[i];
+}
+
+/// Connector forces that are linear over a substep act like a delay of a part of it.
+bool is_beyond_the_step(const RecordEstimate& estimate, Index i) {
+  const double substep = 1.0 / (estimate.measurements.sample_rate * estimate.substeps.substeps);
+  return !estimate.fixed_numbers->numbers[static_cast<std::size_t>(i)].is_delay() ||
+         std::abs(estimate.fixed_numbers->asked[i]) > part_of_substep * substep;
 }
 
 bool moves_an_unknown(const RecordEstimate& estimate, Index i) {
@@ -51,7 +59,9 @@ std::vector<Index> asked_for(const RecordEstimate& estimate) {
   const auto& study = *estimate.fixed_numbers;
   std::vector<Index> asked;
   for (Index i = 0; i < study.size(); ++i)
-    if (study.is_significant(i) && is_confirmed(study, i) && moves_an_unknown(estimate, i)) asked.push_back(i);
+    if (study.is_significant(i) && is_confirmed(study, i) && is_beyond_the_step(estimate, i) &&
+        moves_an_unknown(estimate, i))
+      asked.push_back(i);
   std::ranges::stable_sort(asked, std::ranges::greater{}, [&](Index i) { return study.gain[i]; });
   return asked;
 }

@@ -24,6 +24,7 @@ namespace {
 
 /// Of a sample interval in the search for a jump: what finer steps add is smaller than the jumps that are told.
 constexpr int most_jump_substeps = 8, limited_jump_substeps = 2;
+constexpr int few_passes = 2, more_passes = 4;  ///< from a contradictory run's own estimates
 /// Statistic of the scores: a step that is too coarse biases estimates alike throughout a record.
 constexpr double change_beyond_steps = 100.0;
 /// Mean NIS over what is expected: a run that contradicts itself, and by how much rest must be better.
@@ -107,10 +108,15 @@ double relative_nis(const FilteredRecord& filtered) {
   return found.mean_nis / found.expected_nis;
 }
 
-/// Whether a run contradicts itself, though not in its last quarter.
-bool was_misled_at_first(const RecordEstimate& estimate) {
-  return !estimate.result.failure && contradicts_itself(estimate) &&
-         !innovations_contradict(estimate, std::max(estimate.settled, 3 * estimate.measurements.samples() / 4));
+/// Whether the innovations of a run's last quarter agree with the model.
+bool agrees_at_its_end(const RecordEstimate& estimate) {
+  return !innovations_contradict(estimate, std::max(estimate.settled, 3 * estimate.measurements.samples() / 4));
+}
+
+/// Whether a run over the record no longer contradicts itself where the one before did.
+bool explains_more(const RecordEstimate& again, const RecordEstimate& before) {
+  if (again.result.failure || innovations_contradict(again, again.settled)) return false;
+  return innovations_contradict(before, before.settled) || !contradicts_itself(again);
 }
 
 EstimationOptions filter_options(const EstimationProblem& problem, const AugmentedModelSetup& setup,
@@ -211,19 +217,27 @@ void RecordEstimation::try_rest(FilteredRecord& filtered, int substeps) {
   filtered = std::move(at_rest);
 }
 
-/// A second pass, from the parameters of the first, or from these and the motion at the start where that is unknown. It
-/// is kept where it no longer contradicts itself: so the first guess was all that was wrong.
+/// Further passes, each from the parameters of the one before, or from these and the motion at the start where that is
+/// unknown. They are kept where the last one no longer contradicts itself, or its innovations no longer do: so the
+/// first guess was all that was wrong. A run that still contradicts itself at its end was misled further, and gets more
+/// passes at once.
 void RecordEstimation::repeat_from_estimates(StepBudget& budget) {
   const auto& settings = problem_->settings;
-  if (settings.passes > 1 || settings.adaptive_noise.any() || !was_misled_at_first(estimate_)) return;
-  const bool start_is_unknown = estimate_.start.moving || states_initial_motion(settings);
-  for (const bool with_start : {false, true}) {
-    if (with_start && !start_is_unknown) return;
-    if (!budget.take(2.0 * steps_of_run(*problem_, record_, estimate_.substeps.substeps)))
-      return estimate_.leave_out("a second pass from the estimates");
+  if (settings.passes > 1 || settings.adaptive_noise.any()) return;
+  if (estimate_.result.failure || !contradicts_itself(estimate_)) return;
+  struct Form {
+    int passes;
+    bool with_start;
+  };
+  std::vector<Form> forms{{few_passes, false}, {more_passes, false}};
+  if (estimate_.start.moving || states_initial_motion(settings)) forms.push_back({few_passes, true});
+  if (!agrees_at_its_end(estimate_)) forms = {{more_passes, false}};
+  for (const auto& [passes, with_start] : forms) {
+    if (!budget.take(passes * steps_of_run(*problem_, record_, estimate_.substeps.substeps)))
+      return estimate_.leave_out("further passes from the estimates");
     RecordEstimation again = *this;
-    again.pass_twice(with_start);
-    if (!again.estimate_.result.failure && !contradicts_itself(again.estimate_)) {
+    again.pass_again(passes, with_start);
+    if (explains_more(again.estimate_, estimate_)) {
       *this = std::move(again);
       return;
     }
@@ -231,11 +245,11 @@ void RecordEstimation::repeat_from_estimates(StepBudget& budget) {
   }
 }
 
-void RecordEstimation::pass_twice(bool with_start) {
+void RecordEstimation::pass_again(int passes, bool with_start) {
   auto repeated = std::make_shared<EstimationProblem>(*problem_);
-  repeated->settings.passes = 2;
+  repeated->settings.passes = passes;
   problem_ = std::move(repeated);
-  screening_->pass_twice(with_start);
+  screening_->pass_again(passes, with_start);
   evaluate(screening_->run(estimate_.substeps.substeps), estimate_.substeps);
 }
 

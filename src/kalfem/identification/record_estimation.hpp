@@ -15,7 +15,7 @@ struct ConsideredDeviations;
 /// 1. answer(): the likelihood unknowns, the filter over the record without the samples of faulty sensors, and a run
 ///    with half of its substeps, which tells what these leave in the estimates. Where the first samples alone say that
 ///    the structure moves and the run contradicts itself, it is run from rest, too.
-/// 2. repeat_from_estimates(): a run that contradicts itself once more from its own estimates, as a filter that
+/// 2. repeat_from_estimates(): a run that contradicts itself again from its own estimates, as a filter that
 ///    linearises about a first guess far off learns wrongly from the first samples, and never forgets.
 /// 3. settle_substeps(): as many more substeps as that bias asks for.
 /// 4. look_for_jump(): an unknown that is not constant. Within a limited budget it comes before more substeps where the
@@ -43,7 +43,7 @@ private:
   void correct();
   void run_first();
   void try_rest(FilteredRecord& filtered, int substeps);
-  void pass_twice(bool with_start);
+  void pass_again(int passes, bool with_start);
   void evaluate(FilteredRecord filtered, SubstepChoice substeps);
   void add_event_of_change();
   void take_considered(const ConsideredDeviations& considered);

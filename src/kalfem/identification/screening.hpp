@@ -25,10 +25,10 @@ public:
   /// The start of the record is that of this run from now on.
   void keep_start(const RecordStart& start) { setup_.starts_at_rest = !start.moving; }
 
-  /// Every run from now on passes twice over the record, the second time from the estimates of the first: parameters
-  /// and, where the structure moves at the first sample, the motion there.
-  void pass_twice(bool moving) {
-    options_.passes = 2;
+  /// Every run from now on passes several times over the record, each time from the estimates of the one before:
+  /// parameters and, where the structure moves at the first sample, the motion there.
+  void pass_again(int passes, bool moving) {
+    options_.passes = passes;
     setup_.options.keep_initial_state = setup_.options.keep_initial_state || moving;
   }
 

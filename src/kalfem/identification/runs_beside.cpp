@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kalfem/identification/runs_beside.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double step = 1e-4;  ///< of a number beside its value, in its scale
+
+/// The central differences of a series over its samples, [1/sample]; at its ends one-sided.
+MatrixXd rate_of(const MatrixXd& series) {
+  const Index last = series.cols() - 1;
+  MatrixXd rate = MatrixXd::Zero(series.rows(), series.cols());
+  for (Index k = 0; k <= last && last > 0; ++k) {
+    const Index before = std::max<Index>(k - 1, 0), after = std::min(k + 1, last);
+    rate.col(k) = (series.col(after) - series.col(before)) / static_cast<double>(after - before);
+  }
+  return rate;
+}
+
+AugmentedModelSetup setup_of(const EstimationProblemPtr& problem, const StructureParts& parts) {
+  IssueList issues;
+  auto setup = make_augmented_model_setup(*problem, parts, {}, issues);
+  issues.raise();
+  return setup;
+}
+
+bool is_of_finite_elements(const FixedNumber& number) {
+  return number.parameter && std::holds_alternative<FiniteElementParameter>(number.parameter->where);
+}
+
+bool is_stated(const FixedNumber& number) { return number.deviation > 0.0; }
+
+}  // namespace
+
+RunsBeside::RunsBeside(EstimationProblemPtr problem, const AugmentedModelSetup& setup, const Record& record,
+                       const RecordEstimate& estimate, const RecordEstimateOptions& options)
+    : problem_(std::move(problem)), record_(record), monitored_(options.monitored), given_(setup) {
+  numbers_ = fixed_numbers(*problem_, *setup.parts, setup, options.updated);
+  leave_out_repeated_reductions();
+  reduce_once();
+  base_setup_ = setup_of(problem_, parts_);
+  base_setup_.starts_at_rest = !estimate.start.moving;
+  filter_ = make_filter_run(problem_, base_setup_, record_);
+}
+
+double RunsBeside::memory() const {
+  const auto values = static_cast<double>(filter_.input.measured.values.size());
+  const auto states = static_cast<double>(filter_.choice.augmented_model->layout().size());
+  return values * (states * sizeof(double) + static_cast<double>(numbers_.size()) * sizeof(float));
+}
+
+bool RunsBeside::run_base(Gains gains) {
+  gains_ = std::move(gains);
+  auto base = run({problem_, base_setup_}, std::ranges::any_of(numbers_, is_stated));
+  if (base) base_ = std::move(*base);
+  return base.has_value();
+}
+
+std::optional<FixedGainMeans> RunsBeside::derivative(std::size_t i) const try {
+  const bool monitors = is_stated(numbers_[i]);
+  auto moved = run(change_of(i, step), monitors);
+  if (!moved) return std::nullopt;
+  if (monitors) moved->monitored = (moved->monitored - base_.monitored) / step;
+  moved->innovation = (moved->innovation - base_.innovation) / step;
+  moved->unknowns = (moved->unknowns - base_.unknowns) / step;
+  return moved;
+} catch (const InvalidInput&) {
+  return std::nullopt;  // beside its value there is no structure
+}
+
+double RunsBeside::log_likelihood(std::size_t i, double change, const EstimationOptions& options) const try {
+  const FilterRun changed = run_of(change_of(i, change));
+  const EstimationResult result = kalfem::estimate(*changed.choice.augmented_model, changed.input, options);
+  return result.failure ? -std::numeric_limits<double>::infinity() : result.log_likelihood;
+} catch (const InvalidInput&) {
+  return -std::numeric_limits<double>::infinity();
+}
+
+/// Finite elements that unknowns of the filter follow are reduced with each model: their other numbers are left out.
+void RunsBeside::leave_out_repeated_reductions() {
+  if (given_.linear_unknowns.bindings.empty()) return;
+  std::erase_if(numbers_, [&](const FixedNumber& number) {
+    const bool of_elements = is_of_finite_elements(number);
+    if (of_elements) left_out_.push_back(number.name);
+    return of_elements;
+  });
+}
+
+/// Finite elements keep one basis beside all numbers.
+void RunsBeside::reduce_once() {
+  parts_ = *given_.parts;
+  std::vector<double> values;
+  for (const auto& number : numbers_)
+    if (is_of_finite_elements(number)) {
+      bindings_.push_back({static_cast<Index>(values.size()), *number.parameter});
+      values.push_back(number.value);
+    }
+  if (bindings_.empty()) return;
+  of_elements_ = VectorXd::Map(values.data(), static_cast<Index>(values.size()));
+  elements_.emplace(problem_->structure, bindings_, of_elements_.size());
+  reduced_ = elements_->at(of_elements_);
+  parts_.finite_elements = reduced_.parts.finite_elements;
+}
+
+RunsBeside::Change RunsBeside::change_of(std::size_t i, double change) const {
+  return numbers_[i].parameter ? change_of_parameter(numbers_[i], change) : change_of_signal(numbers_[i], change);
+}
+
+RunsBeside::Change RunsBeside::change_of_parameter(const FixedNumber& number, double change) const {
+  const double value = number.value + change * number.scale;
+  StructureParts parts = parts_;
+  auto changed = std::make_shared<EstimationProblem>(*problem_);
+  if (set_parameter(parts, *number.parameter, value)) {
+    auto structure = std::make_shared<StructureModel>(*problem_->structure);
+    set_parameter(structure->parts, *number.parameter, value);
+    changed->structure = std::move(structure);
+  } else {
+    VectorXd values = of_elements_;
+    const auto own =
+        std::ranges::find(bindings_, number.name, [](const StructureBinding& each) { return each.target.name; });
+    values[own->index] = value;
+    parts.finite_elements = elements_->near(reduced_, values).finite_elements;
+  }
+  return {changed, setup_of(changed, parts)};
+}
+
+/// A sensor's recorded samples, or an excitation, as a gain or delay changes them. The sensor's are those that the
+/// model predicts: recorded ones hold the noise too.
+RunsBeside::Change RunsBeside::change_of_signal(const FixedNumber& number, double change) const {
+  const std::string of = number.name.substr(0, number.name.rfind('.'));
+  if (const Index row = filter_.input.measured.find(of); row >= 0)
+    return {problem_, base_setup_, change * added_to_sensor(row, number.is_delay()), {}};
+  const auto source = std::ranges::find_if(base_setup_.input_sources,
+                                           [&](const std::string& each) { return each == of || each == "@" + of; });
+  return {problem_,
+          base_setup_,
+          {},
+          change * added_to_input(source - base_setup_.input_sources.begin(), number.is_delay())};
+}
+
+MatrixXd RunsBeside::added_to_sensor(Index row, bool delay) const {
+  const auto& measured = filter_.input.measured;
+  MatrixXd added = MatrixXd::Zero(measured.values.rows(), measured.samples());
+  const MatrixXd predicted = measured.values.row(row).leftCols(added.cols()) - base_.innovation.row(row);
+  added.row(row) = delay ? MatrixXd(problem_->sample_rate * rate_of(predicted)) : MatrixXd(-predicted);
+  return added;
+}
+
+MatrixXd RunsBeside::added_to_input(Index input, bool delay) const {
+  const MatrixXd& inputs = filter_.input.inputs;
+  const Index n_u = inputs.rows() / 3, stride = filter_.input.input_stride(*problem_->settings.substeps);
+  MatrixXd added = MatrixXd::Zero(inputs.rows(), inputs.cols());
+  for (Index d = 0; d < 3; ++d) {
+    const Index row = d * n_u + input;
+    if (!delay)
+      added.row(row) = inputs.row(row);
+    else if (d < 2)
+      added.row(row) = -inputs.row(row + n_u);
+    else
+      added.row(row) = -problem_->sample_rate * static_cast<double>(stride) * rate_of(inputs.row(row));
+  }
+  return added;
+}
+
+FilterRun RunsBeside::run_of(const Change& change, std::optional<StateCoordinates> coordinates) const {
+  FilterRun beside = make_filter_run_like(filter_, change.problem, change.setup, record_, coordinates);
+  if (change.to_measured.size() > 0)
+    beside.input.measured.values.leftCols(change.to_measured.cols()) += change.to_measured;
+  if (change.to_inputs.size() > 0) beside.input.inputs += change.to_inputs;
+  return beside;
+}
+
+/// The mean with the gains; monitored quantities cost as much as the run, and are left out where they are not wanted.
+std::optional<FixedGainMeans> RunsBeside::run(const Change& change, bool monitors) const {
+  const FilterRun beside = run_of(change, StateCoordinates::physical);
+  OutputMap monitored = make_outputs(*change.setup.model, monitors ? monitored_ : std::vector<OutputDescription>{});
+  if (monitors)
+    monitored = with_inputs(std::move(monitored), held_by(problem_->settings.unknown_inputs, change.setup),
+                            *change.setup.model);
+  return run_with_gains(*beside.choice.augmented_model, beside.input, gains_, monitored, 0);
+}
+
+}  // namespace kalfem
