@@ -4,13 +4,13 @@
 set(KALFEM_CORE_HEADERS
     kalfem.hpp
     # a structure and what is done with it
-    api/estimate.hpp api/finite_elements.hpp api/laws.hpp api/live_filter.hpp api/online_filter.hpp api/place.hpp api/sensors.hpp api/simulate.hpp
+    api/compare.hpp api/estimate.hpp api/finite_elements.hpp api/infer.hpp api/laws.hpp api/live_filter.hpp api/online_filter.hpp api/place.hpp api/sensors.hpp api/simulate.hpp
     api/structure.hpp api/update.hpp api/vibration.hpp
     # what these are described by
     base/interruption.hpp base/invalid_input.hpp base/progress.hpp
     diagnosis/diagnosis.hpp verdict/verdict.hpp
-    estimation/consistency.hpp estimation/filter_kind.hpp estimation/parameter_transform.hpp identification/known_to.hpp identification/point_prior.hpp identification/unknown_scores.hpp
-    information/sensor_placement.hpp linalg/sparse_factor.hpp
+    estimation/consistency.hpp estimation/filter_kind.hpp estimation/parameter_transform.hpp identification/inference_choices.hpp identification/known_to.hpp identification/point_prior.hpp identification/unknown_scores.hpp
+    information/sensor_placement.hpp linalg/sparse_factor.hpp sampling/marginal_prior.hpp sampling/posterior_mode.hpp
     model/finite_element_model.hpp model/linear_model.hpp model/lumped.hpp model/unit_system.hpp
     model/elements/element.hpp model/mesh/mesh.hpp model/mesh/properties.hpp
     model/gauges/gauge_description.hpp
@@ -25,7 +25,7 @@ set(KALFEM_STUDY_HEADERS report/run_case.hpp)
 
 # The folders' libraries of each component; a component uses those before it.
 set(KALFEM_CORE_LIBRARIES base linalg statistics sampling information verdict records model reduction system dynamics estimation prediction updating
-                          identification placement diagnosis api)
+                          identification inference placement diagnosis api)
 if(KALFEM_MPI)
   list(APPEND KALFEM_CORE_LIBRARIES distributed)
 endif()

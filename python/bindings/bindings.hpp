@@ -25,6 +25,7 @@ void bind_estimate(py::module_& module);
 void bind_filter(py::module_& module);
 void bind_finite_elements(py::module_& module);
 void bind_formats(py::module_& module);
+void bind_infer(py::module_& module);
 void bind_laws(py::module_& module);
 void bind_likelihood(py::module_& module);
 void bind_run(py::module_& module);

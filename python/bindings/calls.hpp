@@ -52,17 +52,21 @@ private:
 /// raise through the library. See python_law().
 void raise_of_laws(const Structure& structure);
 
-/// A long call about a structure whose laws may be functions of Python.
+/// A long call about structures whose laws may be functions of Python.
 template <class Work>
-auto long_call(const Structure& structure, const py::object& progress, const Work& work) {
+auto long_call(const std::vector<Structure>& structures, const py::object& progress, const Work& work) {
   try {
     auto result = LongCall(progress).run(work);
-    raise_of_laws(structure);
+    for (const auto& structure : structures) raise_of_laws(structure);
     return result;
   } catch (const InvalidInput&) {
-    raise_of_laws(structure);
+    for (const auto& structure : structures) raise_of_laws(structure);
     throw;
   }
+}
+template <class Work>
+auto long_call(const Structure& structure, const py::object& progress, const Work& work) {
+  return long_call(std::vector{structure}, progress, work);
 }
 
 /// A law that is a function f(x, v, *parameters) of arrays, shape (points,) each.

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
 #include <memory>
 
 #include "calls.hpp"
-#include "kalfem/steps/inference/outcome.hpp"
-#include "kalfem/steps/inference/posterior.hpp"
+#include "kalfem/inference/posterior_search.hpp"
+#include "kalfem/inference/sample_posterior.hpp"
+#include "kalfem/steps/inference/comparisons_likelihood.hpp"
 #include "kalfem/steps/run_study.hpp"
+#include "options.hpp"
 
 namespace kalfem::python {
 namespace {
@@ -29,20 +30,8 @@ std::shared_ptr<OpenedLikelihood> open_likelihood(const std::string& file, const
   }
   opened->results = run_study(study, "simulate");
   if (!opened->results.complete()) throw InvalidInput(Issue{{file, 0}, opened->results.failure, "", ""});
-  opened->search = begin_search(study, record_of(study, opened->results), nullptr);
+  opened->search = begin_search(*study.inference, record_of(study, opened->results), nullptr);
   return opened;
-}
-
-PosteriorMethod method_named(const std::string& name) {
-  const std::vector<std::pair<std::string, PosteriorMethod>> methods{{"importance", PosteriorMethod::importance},
-                                                                     {"laplace", PosteriorMethod::laplace},
-                                                                     {"tempered", PosteriorMethod::tempered},
-                                                                     {"metropolis", PosteriorMethod::metropolis}};
-  const auto found = std::ranges::find(methods, name, &std::pair<std::string, PosteriorMethod>::first);
-  if (found == methods.end())
-    throw InvalidInput("method: there is no '" + name + "' here", "",
-                       "give importance, laplace, tempered or metropolis");
-  return found->second;
 }
 
 /// The likelihood as a function of Python, which may ask a worker elsewhere: it waits without the GIL of others.
@@ -59,15 +48,19 @@ LogLikelihood evaluated_by(const py::function& evaluate) {
 
 py::dict sample(const OpenedLikelihood& self, const std::string& method, int samples, std::uint64_t seed, int threads,
                 const std::optional<py::function>& evaluate, const py::object& progress) {
-  InferencePlan plan = *self.study.inference;
-  plan.method = method_named(method);
-  plan.samples = samples;
-  plan.seed = seed;
-  const Posterior posterior{plan.prior, evaluate ? evaluated_by(*evaluate) : self.search.likelihood.log_likelihood};
+  InferenceProblem problem = *self.study.inference;
+  problem.method = choice_of<PosteriorMethod>("method", py::str(method),
+                                              {{"importance", PosteriorMethod::importance},
+                                               {"laplace", PosteriorMethod::laplace},
+                                               {"tempered", PosteriorMethod::tempered},
+                                               {"metropolis", PosteriorMethod::metropolis}});
+  problem.samples = samples;
+  problem.seed = seed;
+  const Posterior posterior{problem.prior, evaluate ? evaluated_by(*evaluate) : self.search.likelihood.log_likelihood};
   const auto outcome = LongCall(progress).run([&](const Progress& report) {
-    InferenceOutcome found;
-    sample_posterior(plan, posterior, self.search.start,
-                     {threads, search_likelihoods(self.search.likelihood, plan.samples)}, report, found);
+    InferenceResult found;
+    sample_posterior(problem, posterior, self.search.start,
+                     {threads, search_likelihoods(self.search.likelihood, problem.samples)}, report, found);
     return found;
   });
   const auto count = outcome.samples.values.cols();

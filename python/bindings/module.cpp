@@ -15,6 +15,7 @@ PYBIND11_MODULE(_core, module) {
   bind_simulate(module);
   bind_estimate(module);
   bind_filter(module);
+  bind_infer(module);
   bind_place(module);
   bind_update(module);
   bind_vibration(module);

@@ -135,23 +135,6 @@ std::vector<std::pair<std::string, PointPrior>> initial_state_of(const py::dict&
   return all;
 }
 
-template <class T>
-const char* words_for() {
-  if constexpr (std::is_same_v<T, bool>) return "True or False";
-  if constexpr (std::is_same_v<T, std::string>) return "a text";
-  if constexpr (std::is_same_v<T, double> || std::is_same_v<T, std::optional<double>>) return "a number";
-  return "a whole number";
-}
-
-/// An argument of another type is refused by its name.
-template <class T>
-T cast_of(const py::handle& given, const char* argument) try {
-  return given.cast<T>();
-} catch (const py::cast_error&) {
-  throw InvalidInput(std::string(argument) + ": " + std::string(py::str(py::repr(given))) + " is given",
-                     std::string(words_for<T>()) + " is needed", "");
-}
-
 /// "none", "full" or a number; nothing for None.
 std::optional<double> second_thoughts_of(const py::handle& given) {
   if (given.is_none()) return std::nullopt;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kalfem/api/place.hpp"
 #include "calls.hpp"
-#include "kalfem/base/units.hpp"
 #include "options.hpp"
 #include "records.hpp"
 #include "results.hpp"
@@ -11,21 +10,6 @@
 namespace kalfem::python {
 
 namespace {
-
-PlacementCriterion criterion_named(const std::string& name) {
-  const std::vector<std::pair<std::string, PlacementCriterion>> known = {
-      {"d_optimality", PlacementCriterion::d_optimality},
-      {"a_optimality", PlacementCriterion::a_optimality},
-      {"e_optimality", PlacementCriterion::e_optimality},
-      {"expected_deviation", PlacementCriterion::expected_deviation},
-      {"mutual_information", PlacementCriterion::mutual_information}};
-  std::vector<std::string> names;
-  for (const auto& [each, criterion] : known) {
-    if (each == name) return criterion;
-    names.push_back(each);
-  }
-  throw InvalidInput("criterion: there is none '" + name + "'" + did_you_mean(name, names), "", "");
-}
 
 py::dict by_parameter(const PlaceResult& result, const Eigen::VectorXd& deviation) {
   py::dict all;
@@ -77,18 +61,24 @@ py::dict place_sensors(const Structure& structure, const py::object& t, const py
                        const py::dict& arguments, const py::dict& choice, const py::object& progress) {
   const EstimateOptions estimate = options_of(structure, arguments);
   const TimeGrid grid = grid_of(t);
-  PlaceOptions options{.candidates = estimate.sensors,
-                       .keep = choice["keep"].cast<std::vector<std::string>>(),
-                       .count = choice["count"].cast<int>(),
-                       .unknowns = estimate.unknowns,
-                       .parameters = choice["parameters"].cast<std::vector<std::string>>(),
-                       .duration = static_cast<double>(grid.samples - 1) / grid.sample_rate,
-                       .sample_rate = grid.sample_rate,
-                       .process_noise = estimate.process_noise,
-                       .criterion = criterion_named(choice["criterion"].cast<std::string>()),
-                       .draws = choice["draws"].cast<int>(),
-                       .seed = choice["seed"].cast<std::uint64_t>(),
-                       .threads = estimate.threads};
+  PlaceOptions options{
+      .candidates = estimate.sensors,
+      .keep = choice["keep"].cast<std::vector<std::string>>(),
+      .count = choice["count"].cast<int>(),
+      .unknowns = estimate.unknowns,
+      .parameters = choice["parameters"].cast<std::vector<std::string>>(),
+      .duration = static_cast<double>(grid.samples - 1) / grid.sample_rate,
+      .sample_rate = grid.sample_rate,
+      .process_noise = estimate.process_noise,
+      .criterion = choice_of<PlacementCriterion>("criterion", choice["criterion"],
+                                                 {{"d_optimality", PlacementCriterion::d_optimality},
+                                                  {"a_optimality", PlacementCriterion::a_optimality},
+                                                  {"e_optimality", PlacementCriterion::e_optimality},
+                                                  {"expected_deviation", PlacementCriterion::expected_deviation},
+                                                  {"mutual_information", PlacementCriterion::mutual_information}}),
+      .draws = choice["draws"].cast<int>(),
+      .seed = choice["seed"].cast<std::uint64_t>(),
+      .threads = estimate.threads};
   const Structure moved = driven(structure, inputs, grid.start, grid.sample_rate, grid.samples);
   return dict_of(long_call(structure, progress, [&](const Progress& report) {
     options.progress = report;

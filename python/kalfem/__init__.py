@@ -42,6 +42,8 @@ _NAMES = {
         "gain",
     ),
     "analysis": ("estimate", "simulate", "update"),
+    "inferring": ("infer", "compare", "ComparedStructure"),
+    "posterior": ("Posterior",),
     "placing": ("place", "Placement", "SensorSet"),
     "vibration": ("modes", "frf", "mac", "Modes"),
     "live": ("Filter", "Estimate"),
@@ -113,10 +115,13 @@ if TYPE_CHECKING:
         MissingPackage as MissingPackage,
         UnknownName as UnknownName,
     )
+    from .inferring import ComparedStructure as ComparedStructure, compare as compare, infer as infer
     from .law_library import laws as laws
     from .likelihood import Likelihood as Likelihood
     from .live import Estimate as Estimate, Filter as Filter
     from .mesh import mesh_of as mesh_of, read_mesh as read_mesh
+    from .placing import Placement as Placement, SensorSet as SensorSet, place as place
+    from .posterior import Posterior as Posterior
     from .records import MeasuredFile as MeasuredFile, Record as Record, read as read
     from .results import Run as Run, read_results as read_results
     from .running import run as run

@@ -275,6 +275,25 @@ def place(
     choice: dict[str, Any],
     progress: _Progress = None,
 ) -> dict[str, Any]: ...
+def infer(
+    structure: Structure,
+    t: ArrayLike,
+    y: Any,
+    inputs: dict[str, ArrayLike],
+    arguments: dict[str, Any],
+    question: dict[str, Any],
+    progress: _Progress = None,
+) -> dict[str, Any]: ...
+def compare(
+    structures: dict[str, Structure],
+    t: ArrayLike,
+    y: Any,
+    inputs: dict[str, ArrayLike],
+    arguments: dict[str, Any],
+    unknown: dict[str, Any],
+    question: dict[str, Any],
+    progress: _Progress = None,
+) -> list[dict[str, Any]]: ...
 def update(
     structure: Structure,
     substructure: str,

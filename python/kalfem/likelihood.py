@@ -7,7 +7,6 @@ import math
 import os
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from statistics import NormalDist
@@ -17,6 +16,7 @@ import numpy as np
 
 from .compiled import core
 from .errors import unknown_name
+from .posterior import Posterior
 from .progress import reporter
 from .running import as_changes
 
@@ -25,29 +25,6 @@ from .running import as_changes
 def _opened(case, _written_at, changes):
     """Of each process one: a worker gets the same likelihood with every task."""
     return core.CaseLikelihood(case, list(changes))
-
-
-@dataclass(frozen=True)
-class Posterior:
-    """Samples of a posterior, from :meth:`Likelihood.sample`."""
-
-    names: list[str]
-    values: np.ndarray  #: samples [n, p]
-    weights: np.ndarray  #: their sum is 1
-    log_likelihood: np.ndarray
-    log_prior: np.ndarray
-    log_evidence: float | None
-    log_evidence_std: float | None
-    evaluations: int  #: of the likelihood
-    warnings: list[str]  #: why the samples may not hold
-
-    @property
-    def mean(self) -> np.ndarray:
-        return self.weights @ self.values
-
-    @property
-    def std(self) -> np.ndarray:
-        return np.sqrt(self.weights @ (self.values - self.mean) ** 2)
 
 
 class Likelihood:
@@ -141,7 +118,7 @@ class Likelihood:
         evaluate = (lambda theta: executor.submit(self, theta).result()) if executor else None
         with reporter(progress) as bar:
             found = self._open().sample(method, samples, seed, workers or os.cpu_count() or 1, evaluate, bar)
-        return Posterior(names=self.names, **found)
+        return Posterior(names=self.names, units=self.units, **found)
 
     def _values(self, theta):
         if not isinstance(theta, Mapping):

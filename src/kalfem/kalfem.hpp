@@ -2,12 +2,14 @@
 #pragma once
 
 /// Everything of kalfem::core: describe a structure, simulate it, choose its sensors, estimate its states and
-/// parameters from a record, or update it by natural frequencies. Files of other programs (kalfem::formats) and case
-/// files (kalfem::study) have headers of their own:
+/// parameters from a record, infer their posterior, or update it by natural frequencies. Files of other programs
+/// (kalfem::formats) and case files (kalfem::study) have headers of their own:
 ///     kalfem/formats/tables/csv.hpp, kalfem/formats/deck.hpp, kalfem/formats/matrices/write.hpp
 ///     kalfem/report/run_case.hpp
+#include "kalfem/api/compare.hpp"
 #include "kalfem/api/estimate.hpp"
 #include "kalfem/api/finite_elements.hpp"
+#include "kalfem/api/infer.hpp"
 #include "kalfem/api/laws.hpp"
 #include "kalfem/api/live_filter.hpp"
 #include "kalfem/api/online_filter.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "casefile/probes.hpp"
+#include "kalfem/inference/parameter_likelihood.hpp"
 #include "kalfem/sampling/evidence.hpp"
-#include "kalfem/steps/inference/case_likelihood.hpp"
 #include "kalfem/steps/run_study.hpp"
 
 /// Keys of the inference: the plan against the numbers of the case, laws against the case that has them.
@@ -95,7 +95,7 @@ void likelihoods() {
     const Study study = with_infer(text);
     const StudyResults results = run(study, "simulate");
     const VectorXd start = start_of(*study.inference);
-    return likelihood_of_record(study, record_of(study, results), start).log_likelihood(start);
+    return likelihood_of_record(*study.inference, record_of(study, results), start).log_likelihood(start);
   };
   const double by_filter = of("likelihood: filter"), white = of("likelihood: simulation"),
                correlated = of("likelihood: simulation, correlation_time: 50 ms");

@@ -21,42 +21,6 @@ namespace {
 
 OutputDescription at(ObservedQuantity quantity, const std::string& place) { return {"", quantity, {{place, 1.0}}}; }
 
-/// A channel for each sensor; throws InvalidInput with every sensor that was not recorded.
-void require_channels(const Record& record, const std::vector<SensorDescription>& sensors) {
-  std::vector<std::string> known;
-  for (const auto& channel : record.channels) known.push_back(channel.name);
-  IssueList issues;
-  for (std::size_t i = 0; i < sensors.size(); ++i)
-    if (record.find(sensors[i].name) < 0)
-      issues.add({},
-                 "sensors[" + std::to_string(i) + "] '" + sensors[i].name +
-                     "': the record has no channel of that name" + did_you_mean(sensors[i].name, known),
-                 "", "name the sensor as the channel");
-  for (std::size_t i = 0; i < sensors.size(); ++i)
-    if (const Index row = record.find(sensors[i].name); row >= 0 && row < record.values.rows() &&
-                                                        record.samples() > 0 &&
-                                                        !record.values.row(row).array().isFinite().any())
-      issues.add({}, "sensors[" + std::to_string(i) + "] '" + sensors[i].name + "': its channel has no number",
-                 "there is no data to estimate from", "remove the sensor or choose another channel");
-  if (static_cast<Index>(known.size()) != record.values.rows())
-    issues.add({},
-               "record: it has " + std::to_string(record.values.rows()) + " rows and " + std::to_string(known.size()) +
-                   " channels",
-               "every row of the values needs a name", "");
-  if (record.samples() < 1) issues.add({}, "record: it has no samples", "there is nothing to estimate from", "");
-  issues.raise();
-}
-
-/// The record's channels of the sensors, with their noise.
-Record of_sensors(const Record& record, const std::vector<SensorDescription>& sensors) {
-  std::vector<std::string> names;
-  for (const auto& sensor : sensors) names.push_back(sensor.name);
-  Record selected = select_channels(record, names);
-  for (std::size_t i = 0; i < sensors.size(); ++i)
-    selected.channels[i] = {sensors[i].name, unit_of(sensors[i].output), sensors[i].noise};
-  return selected;
-}
-
 std::vector<ParameterEstimate> parameters_of(const RecordEstimate& estimated) {
   std::vector<ParameterEstimate> parameters;
   const auto& unknowns = estimated.augmented_model->options().unknowns;
@@ -174,9 +138,8 @@ const EstimatedQuantity& EstimateResult::output(const std::string& name) const {
 
 EstimateResult estimate(const Structure& structure, const Record& record, const EstimateOptions& options) {
   require_signals(structure.description());
-  require_channels(record, options.sensors);
+  const Record measured = record_of_sensors(record, options.sensors);
   FilterProblem made = make_filter_problem(structure, record.sample_rate, options);
-  const Record measured = of_sensors(record, options.sensors);
   auto estimated = estimate_record_thoroughly(
       made.problem, made.setup, measured,
       {.monitored = made.monitored, .deviation_stride = options.deviation_stride, .progress = options.progress});

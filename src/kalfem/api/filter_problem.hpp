@@ -16,6 +16,9 @@ struct FilterProblem {
 /// Looks up every name. `sample_rate`: of the record [Hz]. Throws InvalidInput with every argument that is wrong.
 FilterProblem make_filter_problem(const Structure& structure, double sample_rate, const EstimateOptions& options);
 
+/// The record's channels of the sensors, with their noise. Throws InvalidInput with every sensor that was not recorded.
+Record record_of_sensors(const Record& record, const std::vector<SensorDescription>& sensors);
+
 /// Unit of a description's output, in SI.
 std::string unit_of(const OutputDescription& output);
 

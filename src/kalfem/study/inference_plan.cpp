@@ -190,10 +190,10 @@ void check_filter_method(const CaseStudy& study, const InferencePlan& plan, Issu
                "take method: importance");
 }
 
-std::optional<SensitivityPlan> sensitivity_of(const CaseStudy& study, const InferencePlan& plan, IssueList& issues) {
+std::optional<SensitivityOptions> sensitivity_of(const CaseStudy& study, const InferencePlan& plan, IssueList& issues) {
   if (!study.given.infer->value.sensitivity) return std::nullopt;
   const auto& [given, location, path] = *study.given.infer->value.sensitivity;
-  SensitivityPlan sensitivity{.samples = given.samples};
+  SensitivityOptions sensitivity{.samples = given.samples};
   if (plan.likelihood == LikelihoodKind::comparisons)
     issues.add(location, path + ": the unknowns are those of `update`", "outputs depend on the unknowns of `estimate`",
                "remove it");
@@ -203,7 +203,7 @@ std::optional<SensitivityPlan> sensitivity_of(const CaseStudy& study, const Infe
   std::vector<std::string> connectors;
   for (const auto& connector : study.model->system().connectors) connectors.push_back(connector.name);
   for (const auto& name : given.outputs) {
-    const auto add = [&](SensitivityPlan::Output output) { sensitivity.outputs.push_back(std::move(output)); };
+    const auto add = [&](SensitivityOptions::Output output) { sensitivity.outputs.push_back(std::move(output)); };
     const std::string kind = name.value.substr(0, name.value.find('.'));
     const std::string of = kind.size() < name.value.size() ? name.value.substr(kind.size() + 1) : "";
     const bool is_number =
@@ -227,12 +227,15 @@ std::optional<SensitivityPlan> sensitivity_of(const CaseStudy& study, const Infe
 
 InferencePlan make_inference_plan(const CaseStudy& study, IssueList& issues) {
   const auto& [given, location, path] = *study.given.infer;
-  InferencePlan plan{.correlation_time = given.correlation_time,
-                     .method = given.method,
-                     .samples = given.samples,
-                     .predictions = given.predictions,
-                     .seed = given.seed,
-                     .location = location};
+  InferencePlan plan;
+  plan.problem = study.problem;
+  if (study.augmented_model) plan.setup = *study.augmented_model;
+  plan.correlation_time = given.correlation_time;
+  plan.method = given.method;
+  plan.samples = given.samples;
+  plan.predictions = given.predictions;
+  plan.seed = given.seed;
+  plan.location = location;
   plan.likelihood =
       given.likelihood.value_or(study.given.estimate ? LikelihoodKind::filter : LikelihoodKind::comparisons);
   check_likelihood(study, plan, issues);

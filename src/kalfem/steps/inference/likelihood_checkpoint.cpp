@@ -53,13 +53,14 @@ void LikelihoodCheckpoint::read() {
   }
 }
 
-LogLikelihood LikelihoodCheckpoint::remembered(const Study& study, const LogLikelihood& likelihood,
-                                               const VectorXd& start) {
-  if (file_.empty()) return likelihood;
-  return [this, likelihood, of = fingerprint_of(study, likelihood(start)) + "-"](const VectorXd& theta) {
-    std::string key = of;
-    for (const double value : theta) key += bits(value);
-    return value_of(key, theta, likelihood);
+RememberLikelihood LikelihoodCheckpoint::of(const Study& study) {
+  if (file_.empty()) return {};
+  return [this, &study](const LogLikelihood& likelihood, const VectorXd& start) -> LogLikelihood {
+    return [this, likelihood, of = fingerprint_of(study, likelihood(start)) + "-"](const VectorXd& theta) {
+      std::string key = of;
+      for (const double value : theta) key += bits(value);
+      return value_of(key, theta, likelihood);
+    };
   };
 }
 

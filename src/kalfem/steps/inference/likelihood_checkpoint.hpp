@@ -7,7 +7,7 @@
 #include <string>
 #include <unordered_map>
 
-#include "kalfem/steps/inference/case_likelihood.hpp"
+#include "kalfem/inference/posterior_of_data.hpp"
 #include "kalfem/study/study.hpp"
 
 namespace kalfem {
@@ -24,11 +24,10 @@ public:
   /// An empty `folder` keeps nothing.
   explicit LikelihoodCheckpoint(const std::filesystem::path& folder);
 
-  /// The likelihood that looks here first. Its value at `start`, computed anew, stands for the contents of the files
-  /// that the case names: values of a case that has changed are not found. May be called while the checkpoint lives,
-  /// from several threads.
-  [[nodiscard]] LogLikelihood remembered(const Study& study, const LogLikelihood& likelihood,
-                                         const Eigen::VectorXd& start);
+  /// Makes likelihoods of a case look here first. The value at the start, computed anew, stands for the contents of the
+  /// files that the case names: values of a case that has changed are not found. Such a likelihood may be called while
+  /// the checkpoint lives, from several threads. Empty without a folder.
+  [[nodiscard]] RememberLikelihood of(const Study& study);
   /// Values that an earlier run had computed and this one has asked for.
   [[nodiscard]] long long from_earlier() const { return from_earlier_; }
 

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kalfem/steps/inference/posterior.hpp"
+#include "kalfem/inference/posterior_search.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include "kalfem/study/study.hpp"
 
 namespace kalfem {
 
@@ -24,13 +22,14 @@ std::optional<double> found(const std::string& name, const RecordEstimate& estim
   return estimate.likelihood->values[by_search - searched.begin()];
 }
 
-/// The filter's values inside the priors, the plan's others; nothing without an estimate, or where the filter stopped.
-std::optional<VectorXd> filter_start(const InferencePlan& plan, const RecordEstimate* estimate) {
+/// The filter's values inside the priors, the problem's others; nothing without an estimate, or where the filter
+/// stopped.
+std::optional<VectorXd> filter_start(const InferenceProblem& problem, const RecordEstimate* estimate) {
   if (!estimate || estimate->result.failure) return std::nullopt;
-  VectorXd start = start_of(plan);
-  for (std::size_t i = 0; i < plan.parameters.size(); ++i) {
-    const auto value = found(plan.parameters[i].name, *estimate);
-    const auto [lower, upper] = support(plan.prior.marginals()[i].second);
+  VectorXd start = start_of(problem);
+  for (std::size_t i = 0; i < problem.parameters.size(); ++i) {
+    const auto value = found(problem.parameters[i].name, *estimate);
+    const auto [lower, upper] = support(problem.prior.marginals()[i].second);
     if (value && std::isfinite(*value) && lower < *value && *value < upper)
       start[static_cast<Eigen::Index>(i)] = *value;
   }
@@ -45,18 +44,17 @@ double density(const PosteriorSearch& search, const JointPrior& prior) {
 
 }  // namespace
 
-PosteriorSearch begin_search(const Study& study, const Record& record, const RecordEstimate* estimate) {
-  const auto& plan = *study.inference;
+PosteriorSearch begin_search(const InferenceProblem& problem, const Record& record, const RecordEstimate* estimate) {
   const auto from = [&](const VectorXd& start) {
-    return PosteriorSearch{likelihood_of_record(study, record, start), start};
+    return PosteriorSearch{likelihood_of_record(problem, record, start), start};
   };
-  if (const auto start = filter_start(plan, estimate)) try {
+  if (const auto start = filter_start(problem, estimate)) try {
       PosteriorSearch found = from(*start);
-      const double here = density(found, plan.prior);
-      if (here > density({found.likelihood, start_of(plan)}, plan.prior)) return found;
+      const double here = density(found, problem.prior);
+      if (here > density({found.likelihood, start_of(problem)}, problem.prior)) return found;
     } catch (const InvalidInput&) {  // the filter's values make no structure
     }
-  return from(start_of(plan));
+  return from(start_of(problem));
 }
 
 }  // namespace kalfem

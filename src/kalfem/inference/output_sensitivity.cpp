@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kalfem/steps/inference/compute.hpp"
+#include "kalfem/inference/output_sensitivity.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,9 +9,6 @@
 #include "kalfem/identification/expected_record.hpp"
 #include "kalfem/identification/filter_likelihood.hpp"
 #include "kalfem/identification/named_unknowns.hpp"
-#include "kalfem/steps/inference/case_likelihood.hpp"
-#include "kalfem/steps/inference/outcome.hpp"
-#include "kalfem/study/study.hpp"
 #include "kalfem/system/linearised.hpp"
 
 namespace kalfem {
@@ -24,7 +21,7 @@ namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-using Output = SensitivityPlan::Output;
+using Output = SensitivityOptions::Output;
 
 std::string unit_of(const Output& output) {
   switch (output.kind) {
@@ -39,16 +36,16 @@ std::string unit_of(const Output& output) {
 }
 
 /// All outputs at some parameters. What one output needs is made once.
-class OutputsOfCase {
+class Outputs {
 public:
-  OutputsOfCase(const Study& study, const Record& record)
-      : outputs_(study.inference->sensitivity->outputs),
-        names_(names_of(*study.inference)),
-        unknowns_(study.problem, names_, start_of(*study.inference)),
+  Outputs(const InferenceProblem& problem, const Record& record)
+      : outputs_(problem.sensitivity->outputs),
+        names_(names_of(problem)),
+        unknowns_(problem.problem, names_, start_of(problem)),
         record_(record),
-        force_problem_(with_force_sensors(*study.problem)) {
+        force_problem_(with_force_sensors(*problem.problem)) {
     if (wants(SensitivityOutput::mean_nis))
-      likelihood_.emplace(study.problem, record, names_, FilterLikelihoodOptions{.first = start_of(*study.inference)});
+      likelihood_.emplace(problem.problem, record, names_, FilterLikelihoodOptions{.first = start_of(problem)});
   }
 
   [[nodiscard]] VectorXd at(const VectorXd& theta) const try {
@@ -133,12 +130,11 @@ private:
 
 }  // namespace
 
-std::vector<OutputSensitivity> output_sensitivity(const Study& study, const Record& record, int threads) {
-  const auto& plan = *study.inference;
-  const auto& asked = *plan.sensitivity;
-  const OutputsOfCase outputs(study, record);
-  const auto found = sobol_indices(plan.prior, [&](const VectorXd& theta) { return outputs.at(theta); },
-                                   {.samples = asked.samples, .seed = plan.seed, .threads = threads});
+std::vector<OutputSensitivity> output_sensitivity(const InferenceProblem& problem, const Record& record) {
+  const auto& asked = *problem.sensitivity;
+  const Outputs outputs(problem, record);
+  const auto found = sobol_indices(problem.prior, [&](const VectorXd& theta) { return outputs.at(theta); },
+                                   {.samples = asked.samples, .seed = problem.seed, .threads = problem.threads()});
   std::vector<OutputSensitivity> all;
   for (std::size_t i = 0; i < found.size(); ++i)
     all.push_back({asked.outputs[i].name, unit_of(asked.outputs[i]), found[i]});

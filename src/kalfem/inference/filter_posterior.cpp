@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kalfem/steps/inference/posterior.hpp"
+#include "kalfem/inference/filter_posterior.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "kalfem/base/parallel.hpp"
 #include "kalfem/identification/filter_likelihood.hpp"
+#include "kalfem/inference/sample_posterior.hpp"
 #include "kalfem/sampling/log_posterior_differences.hpp"
 #include "kalfem/sampling/peak_search.hpp"
-#include "kalfem/steps/inference/outcome.hpp"
 
 namespace kalfem {
 
@@ -22,7 +21,7 @@ namespace {
 
 constexpr double strong_evidence = 3.0;  ///< difference of ln Z that Kass and Raftery (1995) call strong
 
-/// The filter's distribution of the plan's parameters at the record's end.
+/// The filter's distribution of the problem's parameters at the record's end.
 struct FinalDistribution {
   std::vector<ParameterTransform> transforms;
   VectorXd mean;        ///< x, in the filter's coordinates
@@ -35,11 +34,11 @@ struct FinalDistribution {
   }
 };
 
-FinalDistribution final_distribution(const InferencePlan& plan, const RecordEstimate& estimate) {
+FinalDistribution final_distribution(const InferenceProblem& problem, const RecordEstimate& estimate) {
   const auto& unknowns = estimate.augmented_model->options().unknowns;
   FinalDistribution final;
   std::vector<Index> rows;
-  for (const auto& parameter : plan.parameters) {
+  for (const auto& parameter : problem.parameters) {
     const auto unknown = std::ranges::find(unknowns, parameter.name, &UnknownParameter::name);
     final.transforms.push_back(unknown->transform);
     rows.push_back(estimate.augmented_model->layout().unknown() + (unknown - unknowns.begin()));
@@ -56,15 +55,15 @@ MatrixXd root_of(const MatrixXd& covariance) {
          factor.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
-SampleSet samples_of(const FinalDistribution& final, const InferencePlan& plan, double log_likelihood) {
+SampleSet samples_of(const FinalDistribution& final, const InferenceProblem& problem, double log_likelihood) {
   const MatrixXd root = root_of(final.covariance);
-  MatrixXd z(final.mean.size(), plan.samples);
-  RandomStream random(plan.seed, "filter's posterior");
+  MatrixXd z(final.mean.size(), problem.samples);
+  RandomStream random(problem.seed, "filter's posterior");
   for (auto column : z.colwise()) {
     const VectorXd normal = VectorXd::NullaryExpr(z.rows(), [&] { return random.normal(); });
-    column = plan.prior.to_standard_normal(final.parameters(final.mean + root * normal));
+    column = problem.prior.to_standard_normal(final.parameters(final.mean + root * normal));
   }
-  return make_sample_set(plan.prior, z, VectorXd::Constant(plan.samples, log_likelihood), 1);
+  return make_sample_set(problem.prior, z, VectorXd::Constant(problem.samples, log_likelihood), 1);
 }
 
 /// Of a normal distribution about the estimate, over the standard normals z of the prior, P_z the filter's covariance:
@@ -107,21 +106,21 @@ MaximumBeside maximum_beside(const FinalDistribution& final, const Posterior& po
 }
 
 /// Warns where it is a deviation or more.
-void compare_with_likelihood(const InferencePlan& plan, const FinalDistribution& final, const Posterior& posterior,
-                             int threads, InferenceOutcome& outcome) {
+void compare_with_likelihood(const InferenceProblem& problem, const FinalDistribution& final,
+                             const Posterior& posterior, int threads, InferenceResult& result) {
   constexpr double far = 1.0;
   const auto [shift, parameters, evaluations] = maximum_beside(final, posterior, threads);
-  outcome.evaluations += evaluations;
+  result.evaluations += evaluations;
   std::string words;
   for (Index i = 0; i < shift.size(); ++i) {
     if (!(std::abs(shift[i]) >= far)) continue;
-    const auto& parameter = plan.parameters[static_cast<std::size_t>(i)];
+    const auto& parameter = problem.parameters[static_cast<std::size_t>(i)];
     words += fmt::format("{}'{}' by {:.1f} standard deviations (filter {:.4g}, likelihood {:.4g} {})",
-                         words.empty() ? "" : ", ", parameter.name, shift[i], outcome.most_probable[i], parameters[i],
+                         words.empty() ? "" : ", ", parameter.name, shift[i], result.most_probable[i], parameters[i],
                          parameter.unit);
   }
   if (words.empty()) return;
-  outcome.warnings.push_back(
+  result.warnings.push_back(
       "the filter's values at the record's end are not those that the likelihood of the record "
       "finds most probable, which differ for " +
       words + "; start the unknowns nearer to their values, or take method: importance");
@@ -129,32 +128,56 @@ void compare_with_likelihood(const InferencePlan& plan, const FinalDistribution&
 
 }  // namespace
 
-void take_filter_posterior(const Study& study, const Record& record, const RecordEstimate& estimate,
-                           const CaseLikelihood& likelihood, InferenceOutcome& outcome) {
-  const auto& plan = *study.inference;
+void take_filter_posterior(const InferenceProblem& problem, const Record& record, const RecordEstimate& estimate,
+                           const ParameterLikelihood& likelihood, InferenceResult& result) {
   if (estimate.result.failure)
-    throw InvalidInput(Issue{plan.location, "infer: " + estimate.failure(),
+    throw InvalidInput(Issue{problem.location, "infer: " + estimate.failure(),
                              "method: filter takes the posterior that it has at the record's end",
                              "change the model or its noise, or take method: importance"});
-  const FinalDistribution final = final_distribution(plan, estimate);
-  outcome.method = "normal distribution of the filter at the record's end";
-  outcome.most_probable = final.parameters(final.mean);
-  outcome.log_likelihood = likelihood.log_likelihood(outcome.most_probable);
-  outcome.samples = samples_of(final, plan, outcome.log_likelihood);
-  outcome.log_evidence = evidence_about_estimate(final, plan.prior, outcome.log_likelihood);
-  const double of_one_pass = FilterLikelihood(study.problem, record, {}).log_likelihood(VectorXd());
-  outcome.log_evidence_deviation = std::abs(*outcome.log_evidence - of_one_pass);
-  outcome.evaluations = 2;
-  compare_with_likelihood(plan, final, {plan.prior, likelihood.log_likelihood}, filter_threads(study.problem->settings),
-                          outcome);
-  if (!(*outcome.log_evidence_deviation < strong_evidence))
-    outcome.warnings.push_back(fmt::format(
+  const FinalDistribution final = final_distribution(problem, estimate);
+  result.method = "normal distribution of the filter at the record's end";
+  result.most_probable = final.parameters(final.mean);
+  result.log_likelihood = likelihood.log_likelihood(result.most_probable);
+  result.samples = samples_of(final, problem, result.log_likelihood);
+  result.log_evidence = evidence_about_estimate(final, problem.prior, result.log_likelihood);
+  const double of_one_pass = FilterLikelihood(problem.problem, record, {}).log_likelihood(VectorXd());
+  result.log_evidence_deviation = std::abs(*result.log_evidence - of_one_pass);
+  result.evaluations = 2;
+  compare_with_likelihood(problem, final, {problem.prior, likelihood.log_likelihood}, problem.threads(), result);
+  if (!(*result.log_evidence_deviation < strong_evidence))
+    result.warnings.push_back(fmt::format(
         "ln Z about the filter's estimate and ln p of its whole pass, which would be the same if the filter were "
         "exact, are {:.3g} apart: smaller differences between laws say nothing; start the unknowns nearer to their "
         "values, or "
         "take method: importance",
-        *outcome.log_evidence_deviation));
-  summarise_posterior(outcome);
+        *result.log_evidence_deviation));
+  summarise_posterior(result);
+}
+
+std::vector<FilterComparison> beside_filter(const InferenceResult& result, const RecordEstimate& estimate) {
+  std::vector<FilterComparison> all;
+  const auto& unknowns = estimate.augmented_model->options().unknowns;
+  for (const auto& posterior : result.posterior) {
+    FilterComparison comparison{.name = posterior.name};
+    const auto found = std::ranges::find(unknowns, posterior.name, &UnknownParameter::name);
+    if (found != unknowns.end()) {
+      const Index row = found - unknowns.begin();
+      comparison.filter_mean = estimate.result.unknowns.mean(row, Eigen::last);
+      comparison.filter_deviation = estimate.result.unknowns.deviation(row, Eigen::last);
+    } else if (estimate.likelihood) {
+      const auto& searched = estimate.likelihood->unknowns;
+      const auto place = std::ranges::find(searched, posterior.name, &LikelihoodUnknown::name);
+      if (place == searched.end()) continue;
+      comparison.filter_mean = estimate.likelihood->values[place - searched.begin()];
+      comparison.filter_deviation = estimate.likelihood->deviation[place - searched.begin()];
+    } else {
+      continue;
+    }
+    comparison.mean_difference = (posterior.mean - comparison.filter_mean) / posterior.deviation;
+    comparison.deviation_ratio = comparison.filter_deviation / posterior.deviation;
+    all.push_back(comparison);
+  }
+  return all;
 }
 
 }  // namespace kalfem

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kalfem/steps/inference/compute.hpp"
+#include "kalfem/inference/predictive_bands.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,6 @@
 #include "kalfem/identification/expected_record.hpp"
 #include "kalfem/sampling/importance_sampler.hpp"
 #include "kalfem/statistics/quantiles.hpp"
-#include "kalfem/steps/inference/case_likelihood.hpp"
-#include "kalfem/steps/inference/outcome.hpp"
-#include "kalfem/study/study.hpp"
 
 namespace kalfem {
 
@@ -20,29 +17,29 @@ using Eigen::VectorXd;
 namespace {
 
 /// Whether every unknown of the structure is inferred: a simulation needs a value of each.
-bool infers_all(const Study& study) {
-  const auto names = names_of(*study.inference);
-  return std::ranges::all_of(study.problem->settings.unknowns, [&](const Unknown& unknown) {
+bool infers_all(const InferenceProblem& problem) {
+  const auto names = names_of(problem);
+  return std::ranges::all_of(problem.problem->settings.unknowns, [&](const Unknown& unknown) {
     return std::ranges::find(names, unknown.name) != names.end();
   });
 }
 
 }  // namespace
 
-bool can_be_simulated(const Study& study) {
+bool can_be_simulated(const InferenceProblem& problem) {
   IssueList unknown;
-  check_excitation_is_known(*study.problem, unknown);
-  return unknown.empty() && !study.problem->settings.local && infers_all(study);
+  check_excitation_is_known(*problem.problem, unknown);
+  return unknown.empty() && !problem.problem->settings.local && infers_all(problem);
 }
 
 namespace {
 
 /// The responses that were simulated, one a draw.
-std::vector<Record> responses(const Study& study, const Record& record, const SampleSet& draws, int threads) {
-  const auto names = names_of(*study.inference);
+std::vector<Record> responses(const InferenceProblem& problem, const Record& record, const SampleSet& draws) {
+  const auto names = names_of(problem);
   std::vector<std::optional<Record>> all(static_cast<std::size_t>(draws.values.cols()));
-  for_each_index(all.size(), threads, [&](std::size_t k) {
-    all[k] = expected_record(study.problem, record, names, draws.values.col(static_cast<Index>(k)));
+  for_each_index(all.size(), problem.threads(), [&](std::size_t k) {
+    all[k] = expected_record(problem.problem, record, names, draws.values.col(static_cast<Index>(k)));
   });
   std::vector<Record> found;
   for (auto& each : all)
@@ -81,14 +78,13 @@ PredictiveBand band_of(const std::vector<Record>& responses, const Record& recor
 
 }  // namespace
 
-std::vector<PredictiveBand> predictive_bands(const Study& study, const Record& record, const SampleSet& samples,
-                                             int threads) {
-  const auto& plan = *study.inference;
-  if (plan.predictions == 0 || !study.problem || !can_be_simulated(study)) return {};
-  const auto found = responses(study, record, resample(samples, plan.predictions, plan.seed), threads);
+std::vector<PredictiveBand> predictive_bands(const InferenceProblem& problem, const Record& record,
+                                             const SampleSet& samples) {
+  if (problem.predictions == 0 || !problem.problem || !can_be_simulated(problem)) return {};
+  const auto found = responses(problem, record, resample(samples, problem.predictions, problem.seed));
   std::vector<PredictiveBand> bands;
   if (found.empty()) return bands;
-  for (const auto& sensor : study.problem->sensors)
+  for (const auto& sensor : problem.problem->sensors)
     if (record.find(sensor.name) >= 0) bands.push_back(band_of(found, record, sensor.name));
   return bands;
 }
