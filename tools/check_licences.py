@@ -9,8 +9,8 @@ import pathlib
 import sys
 
 TAG = "SPDX-License-Identifier: Apache-2.0"
-COMMENT = {".cpp": "//", ".hpp": "//", ".py": "#", ".cmake": "#", ".mjs": "//", ".js": "//", ".css": "/*"}
-FOLDERS = ("apps", "benchmarks", "cmake", "examples", "python", "scripts", "src", "tests", "tools")
+COMMENT = {".c": "/*", ".cpp": "//", ".hpp": "//", ".py": "#", ".cmake": "#", ".mjs": "//", ".js": "//", ".css": "/*", ".sh": "#"}
+FOLDERS = ("apps", "benchmarks", "cmake", "examples", "packaging", "python", "scripts", "src", "tests", "tools")
 FIRST_LINES = 3  # behind `#!` and an encoding
 
 

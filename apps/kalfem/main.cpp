@@ -8,7 +8,9 @@
 #include <sstream>
 #include <string_view>
 
+#include "build_stamp.hpp"
 #include "console.hpp"
+#include "help.hpp"
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/freed_memory.hpp"
 #include "kalfem/base/version.hpp"
@@ -35,22 +37,26 @@ struct Arguments {
 void add_changes(CLI::App& verb, Arguments& arguments) {
   verb.add_option("--set", arguments.run.changes,
                   "KEY=VALUE, in place of the value of the case: --set simulate.duration=4s; several times")
+      ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
 }
 
 CLI::Option* add_units(CLI::App& verb, Arguments& arguments) {
   verb.add_option(
-      "--subcase", arguments.deck.subcase,
-      "SUBCASE of a Nastran deck whose structure is meant; default: the first one with METHOD, or the first");
+          "--subcase", arguments.deck.subcase,
+          "SUBCASE of a Nastran deck whose structure is meant; default: the first one with METHOD, or the first")
+      ->type_name("N");
   return verb
       .add_option("--units", arguments.units, "units of a deck: length, mass and time, such as mm t s; default: SI")
+      ->type_name("LENGTH MASS TIME")
       ->expected(3);
 }
 
 CLI::App* add_run_verb(CLI::App& app, std::string_view verb, std::string_view meaning, Arguments& arguments) {
   auto* command = app.add_subcommand(std::string(verb), std::string(meaning));
   command->add_option("case", arguments.run.case_file, "case file (YAML)")->required();
-  command->add_option("--out", arguments.run.folder, "folder for the results; default: <case>.kalfem-out");
+  command->add_option("--out", arguments.run.folder, "folder for the results; default: <case>.kalfem-out")
+      ->type_name("FOLDER");
   add_changes(*command, arguments);
   command->add_flag("--strict", arguments.run.strict, "exit with 3 where the results are suspicious, too");
   auto* verbose = command->add_flag("--verbose", arguments.run.verbose,
@@ -63,18 +69,25 @@ CLI::App* add_run_verb(CLI::App& app, std::string_view verb, std::string_view me
   return command;
 }
 
+/// What an option takes: "N", without the check behind it, "N:INT in [1 - 9]".
+std::string value_of(const CLI::Option& option) {
+  return option.get_type_size() == 0 ? "" : option.get_type_name().substr(0, option.get_type_name().find(':'));
+}
+
+command::VerbUsage usage_of(const CLI::App& verb) {
+  command::VerbUsage usage{verb.get_name(), verb.get_description(), {}, {}};
+  for (const auto* option : verb.get_options()) {
+    const std::string value = value_of(*option), meaning = option->get_description();
+    if (option->get_positional())
+      usage.arguments.push_back({option->get_name(true), value, meaning, option->get_required()});
+    for (const auto& name : option->get_lnames()) usage.options.push_back({"--" + name, value, meaning});
+  }
+  return usage;
+}
+
 std::vector<command::VerbUsage> verbs_of(const CLI::App& app) {
   std::vector<command::VerbUsage> verbs;
-  for (const auto* verb : app.get_subcommands(nullptr)) {
-    auto& usage = verbs.emplace_back(command::VerbUsage{verb->get_name(), verb->get_description(), {}, {}});
-    for (const auto* option : verb->get_options()) {
-      const std::string value = option->get_type_size() == 0 ? "" : option->get_type_name();
-      if (option->get_positional())
-        usage.arguments.push_back({option->get_name(true), value, option->get_description()});
-      for (const auto& name : option->get_lnames())
-        usage.options.push_back({"--" + name, value, option->get_description()});
-    }
-  }
+  for (const auto* verb : app.get_subcommands(nullptr)) verbs.push_back(usage_of(*verb));
   return verbs;
 }
 
@@ -147,21 +160,42 @@ int guarded(const Part& part) {
   }
 }
 
-/// The verb that was meant, where the first argument is none.
-std::string hint_for_verb(const CLI::App& app, int argc, char** argv) {
-  std::vector<std::string> verbs;
-  for (const auto* verb : app.get_subcommands(nullptr)) verbs.push_back(verb->get_name());
-  if (argc < 2 || argv[1][0] == '-' || std::ranges::find(verbs, argv[1]) != verbs.end()) return "";
-  return "kalfem: there is no verb '" + std::string(argv[1]) + "'" + did_you_mean(argv[1], verbs) +
-         "; kalfem --help lists them\n";
+/// What is wrong with the arguments, and where to read how they should be.
+std::string mistake_of(const CLI::App& app, const CLI::ParseError& error) {
+  const auto parsed = app.get_subcommands();
+  const std::string place = parsed.empty() ? "kalfem" : "kalfem " + parsed.front()->get_name();
+  std::vector<std::string> names;
+  for (const auto& usage : verbs_of(app))
+    if (parsed.empty())
+      names.push_back(usage.name);
+    else if (usage.name == parsed.front()->get_name())
+      for (const auto& option : usage.options) names.push_back(option.name);
+  const auto kind = static_cast<CLI::ExitCodes>(error.get_exit_code());
+  std::string text = error.what();
+  const auto left = app.remaining(true);
+  if (!left.empty() && (parsed.empty() || kind == CLI::ExitCodes::ExtrasError)) {
+    const auto& word = left.front();
+    text = (word.starts_with('-') ? "there is no option '" + word + "'"
+            : parsed.empty()      ? "there is no verb '" + word + "'"
+                                  : "'" + word + "' is one argument too many") +
+           did_you_mean(word, names);
+  } else if (kind == CLI::ExitCodes::RequiredError) {
+    text = "no verb is given";
+    for (const auto* verb : parsed)
+      for (const auto* option :
+           verb->get_options([](const CLI::Option* each) { return each->get_required() && each->count() == 0; }))
+        text = "'" + option->get_name() + "' is missing";
+  }
+  return fmt::format("{}: {}; {} --help {}\n", place, text, place,
+                     parsed.empty() ? "lists the verbs" : "says how it is used");
 }
 
 /// Help, the version, or what is wrong with the arguments.
-command::ExitCode told(const CLI::App& app, const CLI::ParseError& error, const std::string& hint) {
+command::ExitCode told(const CLI::App& app, const CLI::ParseError& error) {
   std::ostringstream output, errors;
   const bool asked_for = app.exit(error, output, errors) == 0;
   command::print_text(output.str());
-  command::print_error_text(hint.empty() || asked_for ? errors.str() : hint);
+  if (!asked_for) command::print_error_text(mistake_of(app, error));
   command::require_output();
   return asked_for ? command::done : command::mend_the_input;
 }
@@ -173,22 +207,31 @@ void add_sweep(CLI::App& app, Arguments& arguments) {
   sweep
       ->add_option("--grid", arguments.sweep.grid,
                    "KEY=VALUE,VALUE,...: a key with the values that it takes; several times: every combination")
+      ->type_name("KEY=VALUE,...")
       ->allow_extra_args(false);
   sweep->add_option("--seeds", arguments.sweep.seeds, "realisations of the noise of a simulated record, seeds 1 to N")
+      ->type_name("N")
       ->check(CLI::Range(1, 1000000));
   sweep->add_option("--threads", arguments.sweep.threads, "runs at a time; default: one a processor core")
+      ->type_name("N")
       ->check(CLI::Range(1, 4096));
-  sweep->add_option("--out", arguments.sweep.folder, "folder for the results; default: <case>.kalfem-sweep");
+  sweep->add_option("--out", arguments.sweep.folder, "folder for the results; default: <case>.kalfem-sweep")
+      ->type_name("FOLDER");
   add_changes(*sweep, arguments);
 }
 
 void add_verbs(CLI::App& app, Arguments& arguments) {
-  app.set_version_flag("--version", version);
+  app.formatter_fn([](const CLI::App* at, const std::string&, CLI::AppFormatMode) {
+    return at->get_parent() ? command::help_of(usage_of(*at)) : command::overview(verbs_of(*at));
+  });
+  app.set_help_flag("-h,--help", "say how the verb is used");
+  app.set_version_flag("--version", fmt::format("kalfem {} ({})", version, command::build_stamp));
   app.require_subcommand(1);
   auto* run = add_run_verb(app, "run", "run everything the case asks for", arguments);
   run->get_option("case")->required(false);
   auto* resume = run->add_option("--resume", arguments.resumed,
-                                 "go on with the interrupted run of this folder, in place of a case");
+                                 "go on with the interrupted run of this folder, in place of a case")
+                     ->type_name("FOLDER");
   for (const char* other : {"case", "--out", "--set"}) resume->excludes(run->get_option(other));
   for (const auto* step : verbs()) {
     add_run_verb(app, step->name, step->meaning, arguments);
@@ -197,11 +240,13 @@ void add_verbs(CLI::App& app, Arguments& arguments) {
   auto* modes = app.get_subcommand("modes");
   add_units(*modes, arguments);
   modes->add_option("--modes", arguments.deck.count, "how many modes of a deck; default: 20")
+      ->type_name("N")
       ->check(CLI::Range(1, 10000));
   auto* check = app.add_subcommand("check", "validate and explain a case file or a deck without running it");
   check->add_option("case", arguments.case_file, "case file (YAML) or deck (.inp, .bdf, .dat, .nas)")->required();
   add_changes(*check, arguments);
-  check->add_option("--page", arguments.page, "write the model check to this HTML file, with a picture of the mesh");
+  check->add_option("--page", arguments.page, "write the model check to this HTML file, with a picture of the mesh")
+      ->type_name("FILE");
   add_units(*check, arguments);
   check->add_flag("--ledger", arguments.ledger, "list every field that a deck fills: used, told or refused");
   auto* report = app.add_subcommand("report", "print again what a finished run printed");
@@ -211,21 +256,28 @@ void add_verbs(CLI::App& app, Arguments& arguments) {
   compare->add_option("folders", arguments.files, "folders of the results; the first is what the others differ from")
       ->required();
   compare->add_flag("--json", arguments.json, "as JSON");
-  compare->add_option("--page", arguments.page, "write an HTML page with the courses of the parameters to this file");
+  compare->add_option("--page", arguments.page, "write an HTML page with the courses of the parameters to this file")
+      ->type_name("FILE");
   auto* plot = app.add_subcommand("plot", "draw the figures of a finished run for print");
   plot->add_option("folder", arguments.plot.folder, "folder of the results")->required();
-  plot->add_option("--out", arguments.plot.output, "folder for the figures; default: figures in that of the results");
-  plot->add_option("--format", arguments.plot.format, "svg or png; default: svg")->check(CLI::IsMember({"svg", "png"}));
+  plot->add_option("--out", arguments.plot.output, "folder for the figures; default: figures in that of the results")
+      ->type_name("FOLDER");
+  plot->add_option("--format", arguments.plot.format, "svg or png; default: svg")
+      ->type_name("svg|png")
+      ->check(CLI::IsMember({"svg", "png"}));
   plot->add_option("--width", arguments.plot.width, "in cm: 8.5 for one column, 17 for two; default: 8.5")
+      ->type_name("CM")
       ->check(CLI::Range(4.0, 60.0));
   plot->add_option("--point", arguments.plot.points, "draw the motion of this point; several times")
+      ->type_name("POINT")
       ->allow_extra_args(false);
   auto* inspect = app.add_subcommand("inspect", "tell what measured files hold, and what is odd about their channels");
   inspect->add_option("files", arguments.files, "measured files")->required();
   inspect->add_flag("--json", arguments.json, "as JSON, an array of one object a file");
   inspect->add_flag("--large", arguments.large,
                     "read also parts of compressed files that unpack to far more than the file");
-  inspect->add_option("--page", arguments.page, "write an HTML page with the course of every channel to this file");
+  inspect->add_option("--page", arguments.page, "write an HTML page with the course of every channel to this file")
+      ->type_name("FILE");
   auto* schema = app.add_subcommand("schema", "print the reference of the case file");
   schema->add_option("section", arguments.topic, "one section of the case file: estimate");
   schema->add_flag("--json", arguments.json, "as a JSON Schema, for editors");
@@ -249,7 +301,7 @@ int parse_and_execute(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return told(app, error, hint_for_verb(app, argc, argv));
+    return told(app, error);
   }
   const auto code = execute(app, arguments);
   command::require_output();

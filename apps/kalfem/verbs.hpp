@@ -108,6 +108,7 @@ struct OptionUsage {
   std::string name;   ///< "--out"; of an argument, "case"
   std::string value;  ///< what it takes, "TEXT"; empty for a flag
   std::string meaning;
+  bool required = false;
 };
 /// A verb as its help states it.
 struct VerbUsage {

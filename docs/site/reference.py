@@ -13,7 +13,7 @@ def block(text):
 def command_page(printed):
     """`kalfem --help`, then that of each verb."""
     overview = printed("--help")
-    verbs = re.findall(r"^  ([a-z]+) {2,}\S", overview.split("Subcommands:")[-1], re.MULTILINE)
+    verbs = re.findall(r"^  ([a-z]+) {2,}\S", overview, re.MULTILINE)
     parts = ["# The command\n", "As `kalfem --help` and `kalfem VERB --help` print it.\n", block(overview)]
     for verb in verbs:
         parts += [f"## {verb}\n", block(printed(verb, "--help"))]

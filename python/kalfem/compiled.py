@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The compiled module, or one message why it cannot be used."""
 
+import ctypes
+import sys
+from importlib.machinery import EXTENSION_SUFFIXES
+from pathlib import Path
+
 import numpy
 
 if int(numpy.__version__.split(".")[0]) >= 2:
@@ -26,6 +31,25 @@ if _absent_features():
         f"kalfem was compiled for a processor with {', '.join(_absent_features())}, which this one does not have: "
         "compile it here, or with KALFEM_NATIVE=OFF for any processor"
     )
+
+
+def _other_python():
+    """The Python that the module was built for, where it is not this one."""
+    endings = [file.name.removeprefix("_core") for file in Path(__file__).parent.glob("_core*.so")]
+    return None if not endings or set(endings) & set(EXTENSION_SUFFIXES) else "-".join(endings[0].split(".")[1].split("-")[:2])
+
+
+if built_for := _other_python():
+    raise ImportError(
+        f"kalfem was built for {built_for}, and this is Python {sys.version_info.major}.{sys.version_info.minor}: "
+        "install a wheel for it, or build one by scripts/python"
+    )
+# A process has one C++ run time. Where the system has its own, other packages may need that one, which is never older
+# than a wheel's: it comes first.
+try:
+    ctypes.CDLL("libstdc++.so.6")
+except OSError:
+    pass
 try:
     from . import _core as core
 except ImportError as error:

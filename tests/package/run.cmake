@@ -14,6 +14,17 @@ set(configure -G Ninja -DCMAKE_PREFIX_PATH=${installed} -DCMAKE_BUILD_TYPE=Relea
 file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${installed})
 run(${installed}/bin/kalfem --version)
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/command --component command)
+foreach(file bin/kalfem share/man/man1/kalfem.1 share/bash-completion/completions/kalfem share/fish/vendor_completions.d/kalfem.fish
+             share/kalfem/kalfem.schema.json share/doc/kalfem/docs/start.md share/doc/kalfem/examples/chain/chain.yaml)
+  if(NOT EXISTS ${WORK}/command/${file})
+    message(FATAL_ERROR "the component 'command' has no ${file}")
+  endif()
+endforeach()
+if(EXISTS ${WORK}/command/include OR EXISTS ${WORK}/command/lib)
+  message(FATAL_ERROR "the component 'command' has C++ libraries")
+endif()
+
 
 set(public ${KALFEM_CORE_HEADERS} ${KALFEM_FORMATS_HEADERS} ${KALFEM_STUDY_HEADERS})
 file(GLOB_RECURSE headers RELATIVE ${installed}/include/kalfem ${installed}/include/*)

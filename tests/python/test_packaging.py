@@ -6,6 +6,8 @@ import doctest
 import importlib
 import inspect
 import os
+import re
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -69,6 +71,31 @@ def test_another_processor_is_one_message():
     program = "import kalfem._built_for as b; b.FEATURES = ['warp_drive']; import kalfem as kf; kf.Structure"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert "a processor with warp_drive, which this one does not have" in done.stderr.splitlines()[-1]
+
+
+def test_another_python_is_one_message(tmp_path):
+    here = Path(kf.__file__).parent
+    shutil.copytree(here, tmp_path / "kalfem", ignore=shutil.ignore_patterns("_core*.so", "_libraries", "_command", "__pycache__"))
+    (tmp_path / "kalfem/_core.cpython-399-x86_64-linux-gnu.so").touch()
+    program = "import kalfem as kf; kf.Structure"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(tmp_path)})
+    assert "kalfem was built for cpython-399, and this is Python 3." in done.stderr.splitlines()[-1]
+
+
+def test_a_package_without_the_command_says_so():
+    done = subprocess.run([sys.executable, "-c", "import kalfem.command as c; c.main()"], capture_output=True, text=True)
+    assert done.returncode == 1 and done.stderr.count("\n") == 1 and "scripts/package" in done.stderr
+
+
+def test_the_version_is_one():
+    stated = {
+        "CMakeLists.txt": r"project\(kalfem VERSION ([\d.]+)",
+        "src/kalfem/base/version.hpp": r'version = "([\d.]+)"',
+        "python/pyproject.toml": r'^version = "([\d.]+)"',
+        "CITATION.cff": r"^version: ([\d.]+)",
+    }
+    found = {file: re.search(pattern, (PROJECT / file).read_text(), re.MULTILINE)[1] for file, pattern in stated.items()}
+    assert set(found.values()) == {kf.__version__}, found
 
 
 def test_a_numpy_that_cannot_be_served_is_one_message():
