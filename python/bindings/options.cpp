@@ -172,6 +172,7 @@ EstimateOptions options_of(const Structure& structure, const py::dict& arguments
   options.initial_state = initial_state_of(arguments["initial_state"]);
   options.process_noise = number_of(arguments["process_noise"], "m/s^2/sqrt(Hz)", "process_noise");
   take("substeps", options.substeps);
+  take("step_order", options.step_order);
   take("threads", options.threads);
   take("initial_state_from_record", options.initial_state_from_record);
   take("estimate_initial_state", options.estimate_initial_state);

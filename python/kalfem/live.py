@@ -37,7 +37,7 @@ class Filter(core.Filter):
         Its inputs either all have samples, or are told to `predict` or `push`.
     sample_rate : float
         [Hz].
-    sensors, unknown, outputs, filter, initial_state, process_noise, substeps, threads
+    sensors, unknown, outputs, filter, initial_state, process_noise, substeps, step_order, threads
         As :func:`kalfem.estimate` has them; `substeps` is 8 if it is not given.
     start : float
         Time of the first sample of `push` [s].
@@ -82,6 +82,7 @@ class Filter(core.Filter):
         initial_state: Mapping[str, Mapping[str, Any]] | None = None,
         process_noise: float | str = 0.0,
         substeps: int | None = None,
+        step_order: int = 2,
         threads: int = 0,
         start: float = 0.0,
         horizon: float = 10.0,
@@ -96,6 +97,7 @@ class Filter(core.Filter):
             "initial_state": dict(initial_state or {}),
             "process_noise": process_noise,
             "substeps": substeps,
+            "step_order": step_order,
             "threads": threads,
         }
         super().__init__(structure, sample_rate, arguments, start, horizon, input_delay, window)

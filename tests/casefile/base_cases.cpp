@@ -59,6 +59,7 @@ estimate:
   estimate_initial_state: true
   passes: 2
   substeps: 2
+  step_order: 4
   threads: 1
   diagnose: false
 predict: {substructure: body, substeps: 2}

@@ -339,6 +339,15 @@ void sums_begin_after_settling() {
   EXPECT_EQ(run(with_estimate(stiffness_unknown), "estimate").get<EstimationOutcome>().settled, 0);
 }
 
+void order_of_the_step() {
+  EXPECT_EQ(options_of(with_estimate(stiffness_unknown)).step_order, 2);
+  EXPECT_EQ(options_of(with_estimate(stiffness_unknown + ", step_order: 4")).step_order, 4);
+  const auto study = with_estimate(stiffness_unknown + ", substeps: 7, step_order: 4");
+  const auto results = run(study, "simulate");  // inputs in the middle of each part too
+  EXPECT_EQ(make_filter_run(study.problem, *study.augmented_model, record_of(study, results)).input.inputs.cols(), 701);
+  EXPECT_THROW(with_estimate(stiffness_unknown + ", step_order: 3"), InvalidInput);
+}
+
 void parts_of_an_interval() {
   const auto study = with_estimate(stiffness_unknown + ", substeps: 7");
   EXPECT_EQ(options_of(study).substeps, 7);
@@ -484,6 +493,7 @@ KeyChecks estimation_keys() {
   add(at, {"smooth"}, estimates_from_the_whole_record);
   add(at, {"settle"}, sums_begin_after_settling);
   add(at, {"substeps"}, parts_of_an_interval);
+  add(at, {"step_order"}, order_of_the_step);
   add(at, {"threads"}, threads);
   add(at, {"outliers"}, outliers);
   add(at, {"diagnose"}, diagnosis);

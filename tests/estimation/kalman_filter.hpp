@@ -49,7 +49,7 @@ struct KalmanFilter {
 /// loop of
 ///     x1 = A x0 + G_0 f0 + G_1 f1 + B_0 u0 + B_1 u1.
 inline LinearProblem closed_loop(const AugmentedModel& augmented_model, const Eigen::MatrixXd& R) {
-  const auto& step = augmented_model.step();
+  const ExactStep step(augmented_model.form(), augmented_model.step().step);
   const auto& motion = augmented_model.form().motion();
   const auto& outputs = augmented_model.form().outputs();
   const auto& connectors = augmented_model.system().connectors;

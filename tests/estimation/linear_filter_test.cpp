@@ -219,7 +219,7 @@ TEST(ProcessNoise, IsIndependentOfTheSamplingRate) {
   const AugmentedModel fine(chain.model.system(), chain.sensors, {}, options);
   options.step = 2 * h;
   const AugmentedModel coarse(chain.model.system(), chain.sensors, {}, options);
-  const MatrixXd Q = fine.process_noise().topLeftCorner(6, 6), A = fine.step().transition;
+  const MatrixXd Q = fine.process_noise().topLeftCorner(6, 6), A = fine.step().nodes.back().transition;
   const MatrixXd twice = A * Q * A.transpose() + Q;
   EXPECT_LT((coarse.process_noise().topLeftCorner(6, 6) - twice).norm(), 2e-15 * twice.norm());  // rounding
   EXPECT_NEAR(coarse.process_noise()(6, 6), 2 * h * 30.0 * 30.0 / (4e3 * 4e3), 1e-20);           // log: relative drift

@@ -38,7 +38,7 @@ MatrixXd integrated_noise(const MatrixXd& A, const MatrixXd& density, double int
 /// given.
 LinearProblem problem_of(const AugmentedModel& augmented_model, const MatrixXd& F, const MatrixXd& F_u,
                          const MatrixXd& Q, const MatrixXd& R) {
-  const auto& step = augmented_model.step();
+  const ExactStep step(augmented_model.form(), augmented_model.step().step);
   const auto& outputs = augmented_model.form().outputs();
   const Index n = augmented_model.form().size(), all = augmented_model.layout().size();
   const auto wide = [&](const MatrixXd& narrow) {

@@ -51,6 +51,10 @@ struct EstimateOptions {
   /// costs a second run over the record; an OnlineFilter, which has no record, takes 8. EstimateResult::substeps of a
   /// recorded piece is the number for it.
   std::optional<int> substeps = {};
+  /// Of the filter's step over each substep, 2 or 4. With 2 the connectors' forces are linear over it; with 4
+  /// quadratic, at twice the cost and with an error that falls with the fourth power of the substeps where the laws are
+  /// smooth.
+  int step_order = 2;
   int threads = 0;  ///< 0: one per processor; results do not depend on it
 
   // Of a whole record; an OnlineFilter refuses them.

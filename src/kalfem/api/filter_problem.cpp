@@ -178,6 +178,7 @@ private:
     settings.diagnose = options_.diagnose;
     settings.second_thoughts = options_.second_thoughts.value_or(options_.diagnose ? StepBudget::unlimited : 0.0);
     settings.substeps = options_.substeps;
+    settings.step_order = options_.step_order;
     settings.threads = options_.threads;
     settings.known_to = options_.known_to;
     for (std::size_t i = 0; i < options_.initial_state.size(); ++i) {
@@ -252,6 +253,9 @@ FilterProblem make_filter_problem(const Structure& structure, double sample_rate
                        "give the record's rate");
   if (options.substeps && *options.substeps < 1)
     throw InvalidInput("substeps: " + std::to_string(*options.substeps), "a sample interval has at least one", "");
+  if (options.step_order != 2 && options.step_order != 4)
+    throw InvalidInput("step_order: " + std::to_string(options.step_order), "the filter has steps of order 2 and 4",
+                       "use 2 or 4");
   return ProblemMaker(structure, sample_rate, options).make();
 }
 

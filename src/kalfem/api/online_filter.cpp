@@ -171,14 +171,14 @@ private:
   /// [r; r'; r''] from the present sample to the next.
   Eigen::MatrixXd next_interval() {
     const auto count = std::ssize(splines_);
-    const Index parts = loop_.substeps();
+    const Index parts = loop_.instants();
     Eigen::MatrixXd inputs(3 * count, parts + 1);
     for (Index i = 0; i < count; ++i) set_rows(inputs, i, splines_[static_cast<std::size_t>(i)].move(parts));
     return inputs;
   }
 
   [[nodiscard]] Eigen::MatrixXd sampled_signals() const {
-    const Index parts = loop_.substeps();
+    const Index parts = loop_.instants();
     Eigen::MatrixXd inputs(3 * std::ssize(signals_), parts + 1);
     for (std::size_t i = 0; i < signals_.size(); ++i) {
       if (!signals_[i])
@@ -201,7 +201,7 @@ private:
   /// of others, which act by their values alone, straight lines.
   [[nodiscard]] Eigen::MatrixXd course_to(const VectorXd& next) const {
     const VectorXd& now = loop_.inputs();
-    const Index count = now.size() / 3, parts = loop_.substeps();
+    const Index count = now.size() / 3, parts = loop_.instants();
     const double h = loop_.step();
     Eigen::MatrixXd inputs(3 * count, parts + 1);
     for (Index part = 0; part <= parts; ++part) {

@@ -28,7 +28,7 @@ public:
 
   /// To the next sample, with inputs that are linear up to it, 3 n_u.
   bool move_to(const Eigen::VectorXd& inputs);
-  /// To the next sample, with the inputs at the ends of every substep, 3 n_u x (substeps + 1).
+  /// To the next sample, with the inputs at its instants, 3 n_u x (instants + 1).
   bool move_along(const Eigen::MatrixXd& inputs);
   bool update(const Eigen::VectorXd& measured);
 
@@ -38,7 +38,7 @@ public:
   [[nodiscard]] std::size_t unknowns() const { return model_->options().unknowns.size(); }
   [[nodiscard]] bool in_physical_coordinates() const;
 
-  [[nodiscard]] Eigen::Index substeps() const { return model_->options().substeps; }
+  [[nodiscard]] Eigen::Index instants() const { return model_->options().instants(); }
   [[nodiscard]] double step() const { return step_; }  ///< from sample to sample [s]
   [[nodiscard]] long sample() const { return sample_; }
   [[nodiscard]] double time() const { return static_cast<double>(sample_) * step_; }

@@ -111,7 +111,7 @@ private:
   [[nodiscard]] CorrectedRun earlier(Index samples) const {
     CorrectedRun corrected{base_, 0.0};
     MatrixXd& inputs = corrected.run.input.inputs;
-    const Index stride = base_.input.input_stride(base_.choice.augmented_model->options().substeps);
+    const Index stride = base_.input.input_stride(base_.choice.augmented_model->options().instants());
     auto moved = rows_of(inputs, i_);
     const MatrixXd given = moved;
     for (Index k = 0; k < given.cols(); ++k)

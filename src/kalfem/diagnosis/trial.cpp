@@ -47,7 +47,7 @@ CorrectedRun first_part(CorrectedRun corrected, Index samples) {
   FilterInput& input = corrected.run.input;
   const Index whole = input.measured.samples();
   if (samples >= whole) return corrected;
-  const Index stride = input.input_stride(corrected.run.choice.augmented_model->options().substeps);
+  const Index stride = input.input_stride(corrected.run.choice.augmented_model->options().instants());
   if (input.inputs.cols() > 0) input.inputs = input.inputs.leftCols((samples - 1) * stride + 1).eval();
   input.measured = first_samples(std::move(input.measured), samples);
   corrected.log_jacobian *= static_cast<double>(samples) / static_cast<double>(whole);

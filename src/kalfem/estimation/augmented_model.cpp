@@ -63,6 +63,9 @@ AugmentedModelOptions checked(AugmentedModelOptions options) {
   if (options.substeps < 1)
     throw InvalidInput("the filter's model has " + std::to_string(options.substeps) + " substeps",
                        "it needs at least one", "");
+  if (options.step_order != 2 && options.step_order != 4)
+    throw InvalidInput("the filter's model has a step of order " + std::to_string(options.step_order),
+                       "there are steps of order 2 and 4", "use 2 or 4");
   return options;
 }
 
@@ -81,7 +84,9 @@ std::vector<Index> linear_unknowns(const AugmentedModelOptions& options) {
 // How the model inside the filter is made:
 //   1. the first-order form of the system with sensors' chains and modelled inputs, in physical coordinates or in the
 //      modal ones in which its dynamics is block diagonal (AugmentedModelForm);
-//   2. the exact step over one part of the sample interval (ExactStep), connector forces linear over it;
+//   2. the step over one part of the sample interval (CollocationStep): the linear part exact, connector forces linear
+//   or
+//      quadratic over it;
 //   3. the prior of [x; s; theta; x(0); s(0)] in physical coordinates, then carried over. Standard deviations of an
 //      unknown go through the slope of its transform. A kept initial state is fully correlated with the state;
 //   4. Q of a whole interval: the linear part from its white-noise densities by Van Loan's integral [VL78], the random
@@ -94,7 +99,7 @@ AugmentedModel::AugmentedModel(Bare /*tag*/, const LocallyNonlinearSystem& syste
       chains_(chains),
       options_(checked(std::move(options))),
       form_(system_, sensors, chains, options_.inputs, options_.coordinates),
-      step_(form_.first_order, options_.step / options_.substeps),
+      step_(form_.first_order, options_.step / options_.substeps, options_.step_order),
       layout_{system.size(), form_.first_order.size(), system.connector_states(),
               static_cast<Index>(options_.unknowns.size()), options_.keep_initial_state} {}
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "kalfem/dynamics/collocation_step.hpp"
 #include "kalfem/dynamics/first_order_form.hpp"
 #include "kalfem/dynamics/trajectory.hpp"
 #include "kalfem/estimation/gaussian.hpp"
@@ -73,11 +74,18 @@ struct AugmentedModelOptions {
   std::vector<InputTreatment> inputs;  ///< one per input; if empty, all are known
   bool keep_initial_state = false;     ///< carry the initial state as constants: a fixed-point smoother of it
   double step = 1e-3;                  ///< sample interval [s]
-  /// Connector forces and inputs are linear in time over each of so many equal parts of a sample interval. Their error
-  /// is of second order in the part; more parts cost a few connector forces more, whatever the number of states.
+  /// Connector forces and inputs are polynomials in time over each of so many equal parts of a sample interval. More
+  /// parts cost a few connector forces more, whatever the number of states.
   int substeps = 1;
+  /// Of the step over a part, see CollocationStep. 2: they are linear, and the error falls with the square of the
+  /// parts. 4: quadratic through the values at begin, middle and end, at the cost of two linear parts; the error falls
+  /// with the fourth power where the laws are smooth, otherwise with a lower one.
+  int step_order = 2;
   ForceSolveOptions forces = {};
   StateCoordinates coordinates = StateCoordinates::physical;
+
+  /// Instants of a sample interval at which forces and inputs are taken, its begin left out.
+  [[nodiscard]] int instants() const { return substeps * step_order / 2; }
 };
 
 /// Places of the unknowns of the linear part among all: those without targets, and those that are in both.
@@ -122,7 +130,7 @@ public:
   [[nodiscard]] const StateLayout& layout() const { return layout_; }
   [[nodiscard]] const FirstOrderForm& form() const { return form_.first_order; }
   [[nodiscard]] const AugmentedModelForm& augmented_model_form() const { return form_; }
-  [[nodiscard]] const ExactStep& step() const { return step_; }  ///< one part of a sample interval
+  [[nodiscard]] const CollocationStep& step() const { return step_; }  ///< over one part of a sample interval
   [[nodiscard]] const LocallyNonlinearSystem& system() const { return system_; }
   [[nodiscard]] const AugmentedModelOptions& options() const { return options_; }
   [[nodiscard]] const std::vector<Neighbours>& neighbours() const { return neighbours_; }  ///< one per linear unknown
@@ -169,7 +177,7 @@ private:
   std::vector<MeasurementChain> chains_;
   AugmentedModelOptions options_;
   AugmentedModelForm form_;
-  ExactStep step_;
+  CollocationStep step_;
   StateLayout layout_;
   Gaussian prior_;
   Eigen::MatrixXd process_noise_;

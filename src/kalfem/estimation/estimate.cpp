@@ -13,6 +13,7 @@
 #include "kalfem/estimation/filter_setup.hpp"
 #include "kalfem/estimation/history_keeper.hpp"
 #include "kalfem/estimation/narrow_prior.hpp"
+#include "kalfem/estimation/step_shift.hpp"
 #include "kalfem/statistics/quantiles.hpp"
 
 namespace kalfem {
@@ -52,7 +53,7 @@ void check(const AugmentedModel& augmented_model, const FilterInput& input, cons
   const Index l = augmented_model.form().outputs().state.rows(), n_u = augmented_model.system().input_count();
   if (input.measured.values.rows() != l || input.noise.rows() != l || input.noise.cols() != l)
     issues.add({}, "the record or the noise does not have one channel per sensor", "");
-  const Index samples = input.measured.samples(), fine = (samples - 1) * augmented_model.options().substeps + 1;
+  const Index samples = input.measured.samples(), fine = (samples - 1) * augmented_model.options().instants() + 1;
   if (input.inputs.rows() != 3 * n_u || (input.inputs.cols() != samples && input.inputs.cols() != fine))
     issues.add({}, "inputs and measurements have different numbers of samples", "");
   if (!input.inputs.allFinite()) issues.add({}, "an input is not finite", "the filter's model is driven by it");
@@ -73,7 +74,7 @@ public:
       : augmented_model_(augmented_model),
         input_(input),
         options_(options),
-        input_stride_(input.input_stride(augmented_model.options().substeps)),
+        input_stride_(input.input_stride(augmented_model.options().instants())),
         setup_(std::make_unique<FilterSetup>(
             std::shared_ptr<const AugmentedModel>(std::shared_ptr<void>(), &augmented_model), input.noise, options)),
         linear_unknowns_(linear_unknowns(augmented_model.options())) {
@@ -82,6 +83,9 @@ public:
     std::iota(in_any_coordinates_.begin(), in_any_coordinates_.end(), layout.linear);
     allocate();
     linearised_about_ = linear_estimate(augmented_model_, linear_unknowns_, result_.unknowns);
+    if (!options.step_shift || augmented_model.options().step_order != 4) return;
+    shift_ = std::make_unique<StepShift>(setup_->augmented_model);
+    result_.step_shift = MatrixXd::Constant(layout.unknowns, input.measured.samples(), not_a_number);
   }
 
   EstimationResult run(const Gaussian& prior) {
@@ -109,12 +113,15 @@ private:
       return outcome;
     };
     renew_unknowns(k);
+    const VectorXd before = shift_ && k > 0 ? setup_->filter->mean() : VectorXd();
     // Carry the estimate over the interval that ends at the sample; the prior already stands at the first one.
     FilterOutcome outcome = k == 0 ? FilterOutcome::usable : charged(predict_to(k, input_, *setup_), time.predict);
     if (adaptation_ && k > 0) adaptation_->predict_to(k);
+    const VectorXd predicted = shift_ && outcome == FilterOutcome::usable ? setup_->filter->mean() : VectorXd();
     // Condition it on what the sensors show.
     if (outcome == FilterOutcome::usable)
       outcome = charged(update_at(k, input_, options_.held_out, *setup_, measured_, innovation_), time.update);
+    if (outcome == FilterOutcome::usable && shift_) store_shift(k, before, predicted);
     // Store it, with the quantities that are monitored.
     if (outcome == FilterOutcome::usable) outcome = charged(store(k), time.output);
     if (outcome == FilterOutcome::usable && adaptation_) {
@@ -127,6 +134,17 @@ private:
     if (outcome == FilterOutcome::usable) return true;
     stop(k, outcome);
     return false;
+  }
+
+  void store_shift(Index k, const VectorXd& before, const VectorXd& predicted) {
+    if (k > 0) shift_->predict_to(k, input_, before);
+    shift_->update_at(k, input_, predicted, *setup_->filter, innovation_);
+    const auto& layout = augmented_model_.layout();
+    for (Index i = 0; i < layout.unknowns; ++i) {
+      const auto& transform = augmented_model_.options().unknowns[static_cast<std::size_t>(i)].transform;
+      const double state = setup_->filter->mean()[layout.unknown() + i];
+      result_.step_shift(i, k) = transform.slope(state) * shift_->value()[layout.unknown() + i];
+    }
   }
 
   /// Widens the unknowns that may change over the interval that ends at sample k.
@@ -279,6 +297,7 @@ private:
       return FilterOutcome::linear_part_impossible;
     }
     if (adaptation_) adaptation_->move_to(*setup_);
+    if (shift_) shift_->move_to(setup_->augmented_model);
     linearised_about_ = std::move(now);
     ++result_.linearisations;
     return FilterOutcome::usable;
@@ -290,6 +309,7 @@ private:
   Index input_stride_;  ///< columns of the inputs per sample
   std::unique_ptr<FilterSetup> setup_;
   std::unique_ptr<NoiseAdaptation> adaptation_;  ///< where the noise adapts
+  std::unique_ptr<StepShift> shift_;             ///< where it is asked for
   std::vector<Index> linear_unknowns_;
   std::vector<Index> in_any_coordinates_;  ///< states that have the same meaning in all: internal ones and unknowns
   std::optional<HistoryKeeper> history_;   ///< where it is kept

@@ -39,6 +39,8 @@ struct EstimationOptions {
   int deviation_stride = 1;
   bool keep_gains = false;     ///< of every sample in the result, see run_with_gains()
   bool keep_unknowns = false;  ///< their history in the result, for deviations that hold where the model is not exact
+  /// What the embedded step of order 2 would shift in the unknowns, in the result (StepShift), for a step of order 4.
+  bool step_shift = false;
   AdaptiveNoiseOptions adaptive_noise = {};
   OutlierOptions outliers = {};               ///< what the updates do with samples far from their prediction
   std::vector<HeldOutSamples> held_out = {};  ///< samples to predict only
@@ -50,14 +52,14 @@ struct EstimationOptions {
 /// What a filter runs over: what its sensors recorded and what drove the structure.
 struct FilterInput {
   Record measured;         ///< one channel a sensor, in the model's order
-  Eigen::MatrixXd inputs;  ///< [r; r'; r''], 3 n_u x samples, or at every substep, 3 n_u x ((samples - 1) substeps + 1)
+  Eigen::MatrixXd inputs;  ///< [r; r'; r''], 3 n_u x samples, or at every instant, 3 n_u x ((samples - 1) instants + 1)
   Eigen::MatrixXd noise;   ///< R, l x l
 
   /// y_k: the sample as the filter sees it; not a number where it is missing, and behind what the filter learns from.
   void sample(Eigen::Index k, Eigen::VectorXd& y) const;
-  /// Columns of the inputs from one sample to the next.
-  [[nodiscard]] Eigen::Index input_stride(Eigen::Index substeps) const {
-    return inputs.cols() > measured.samples() ? substeps : 1;
+  /// Columns of the inputs from one sample to the next, AugmentedModelOptions::instants() or one.
+  [[nodiscard]] Eigen::Index input_stride(Eigen::Index instants) const {
+    return inputs.cols() > measured.samples() ? instants : 1;
   }
 };
 
@@ -109,7 +111,8 @@ struct EstimationResult {
   EstimatedSeries state;  ///< the augmented state, after the update; see StateLayout
   EstimatedSeries unknowns;  ///< in the parameters' own units
   EstimatedSeries monitored;
-  Eigen::MatrixXd innovation;            ///< l x samples, NaN where missing
+  Eigen::MatrixXd step_shift;  ///< of the unknowns, in their own units, unknowns x samples; where it is asked for
+  Eigen::MatrixXd innovation;  ///< l x samples, NaN where missing
   Eigen::MatrixXd innovation_deviation;  ///< l x samples
   /// Its covariance's lower triangle row by row, l (l + 1) / 2 x samples, NaN where missing; empty for more than
   /// `most_covariances` channels.

@@ -42,13 +42,17 @@ std::optional<Index> FilterSetup::failed_connector() const {
   return monitored ? monitored->failed_connector() : std::nullopt;
 }
 
-FilterOutcome predict_to(Index k, const FilterInput& input, FilterSetup& setup) {
-  auto& [of, transition, measurement, monitored, filter] = setup;
-  const Index stride = input.input_stride(of->options().substeps);
+void set_inputs_to(Index k, const FilterInput& input, Index instants, ProcessModel& transition) {
+  const Index stride = input.input_stride(instants);
   if (stride > 1)
     transition.set_inputs(input.inputs.middleCols((k - 1) * stride, stride + 1));
   else
     transition.set_inputs(input.inputs.col(k - 1), input.inputs.col(k));
+}
+
+FilterOutcome predict_to(Index k, const FilterInput& input, FilterSetup& setup) {
+  auto& [of, transition, measurement, monitored, filter] = setup;
+  set_inputs_to(k, input, of->options().instants(), transition);
   if (transition.moving_gain() > 0) transition.set_mean(filter->mean());
   return filter->predict();
 }
@@ -56,7 +60,7 @@ FilterOutcome predict_to(Index k, const FilterInput& input, FilterSetup& setup) 
 FilterOutcome update_at(Index k, const FilterInput& input, const std::vector<HeldOutSamples>& held_out,
                         FilterSetup& setup, VectorXd& y, Innovation& innovation) {
   auto& [of, transition, measurement, monitored, filter] = setup;
-  measurement.set_inputs(input.inputs.col(k * input.input_stride(of->options().substeps)));
+  measurement.set_inputs(input.inputs.col(k * input.input_stride(of->options().instants())));
   if (measurement.moving_gain() > 0) measurement.set_mean(filter->mean());
   input.sample(k, y);
   std::vector<Index> channels;

@@ -28,6 +28,8 @@ struct FilterSetup {
   std::unique_ptr<Filter> filter;
 };
 
+/// The inputs of the interval from sample k - 1 to sample k, which are given at so many instants of it or at its ends.
+void set_inputs_to(Eigen::Index k, const FilterInput& input, Eigen::Index instants, ProcessModel& transition);
 /// Carries the filter's estimate over the interval from sample k - 1 to sample k of the record.
 FilterOutcome predict_to(Eigen::Index k, const FilterInput& input, FilterSetup& setup);
 /// Conditions it on what was measured at sample k, but for what is held out there; `y` is a work array.

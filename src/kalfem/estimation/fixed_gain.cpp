@@ -4,6 +4,7 @@
 #include <cassert>
 
 #include "kalfem/estimation/estimate.hpp"
+#include "kalfem/estimation/filter_setup.hpp"
 #include "kalfem/estimation/process_model.hpp"
 
 namespace kalfem {
@@ -42,20 +43,13 @@ private:
   Eigen::ArrayXXd in_, out_;
 };
 
-void set_inputs(ProcessModel& transition, const FilterInput& input, Index stride, Index k) {
-  if (stride > 1)
-    transition.set_inputs(input.inputs.middleCols((k - 1) * stride, stride + 1));
-  else
-    transition.set_inputs(input.inputs.col(k - 1), input.inputs.col(k));
-}
-
 }  // namespace
 
 std::optional<FixedGainMeans> run_with_gains(const AugmentedModel& augmented_model, const FilterInput& input,
                                              const Gains& gains, const OutputMap& monitored, Index state_at) {
   assert(augmented_model.options().coordinates == StateCoordinates::physical);
   const auto& layout = augmented_model.layout();
-  const Index samples = input.measured.samples(), stride = input.input_stride(augmented_model.options().substeps);
+  const Index samples = input.measured.samples(), stride = input.input_stride(augmented_model.options().instants());
   ProcessModel transition(augmented_model);
   MeasurementModel measurement(augmented_model, sensor_outputs);
   MeasurementModel monitored_map(
@@ -69,7 +63,7 @@ std::optional<FixedGainMeans> run_with_gains(const AugmentedModel& augmented_mod
   VectorXd state = augmented_model.prior().mean, predicted = state, output, innovation, values;
   for (Index k = 0; k < samples; ++k) {
     if (k > 0) {
-      set_inputs(transition, input, stride, k);
+      set_inputs_to(k, input, augmented_model.options().instants(), transition);
       if (!predict.apply(state, predicted)) return std::nullopt;
       state.swap(predicted);
     }

@@ -2,6 +2,7 @@
 #include "kalfem/estimation/process_model.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "kalfem/base/independent.hpp"
 
@@ -25,12 +26,16 @@ void select_states_and_unknowns(const StateLayout& layout, MatrixXd& selection) 
   selection.block(0, layout.connector_state(), count, count).setIdentity();
 }
 
-/// Parameters at the points from the unknowns.
-void set_unknowns(const AugmentedModel& augmented_model, const ArrayXXd& in, ConnectorForces& forces) {
+/// Parameters at the points from the unknowns, for the connectors at so many instants.
+void set_unknowns(const AugmentedModel& augmented_model, const ArrayXXd& in, Index instants, ConnectorForces& forces) {
+  const Index m = augmented_model.system().connector_count();
   Index column = augmented_model.layout().connector_states;
   for (const auto& unknown : augmented_model.options().unknowns) {
-    for (const auto& target : unknown.targets)
-      unknown.transform.to_parameter(in.col(column), forces.parameter(target.connector, target.parameter));
+    for (const auto& [connector, parameter] : unknown.targets) {
+      unknown.transform.to_parameter(in.col(column), forces.parameter(connector, parameter));
+      for (Index instant = 1; instant < instants; ++instant)
+        forces.parameter(instant * m + connector, parameter) = forces.parameter(connector, parameter);
+    }
     ++column;
   }
 }
@@ -54,6 +59,15 @@ bool solve_instant(const AugmentedModel& augmented_model, const ArrayXXd& in, In
   forces.begin_states() = in.leftCols(augmented_model.layout().connector_states);
   const auto outcome = forces.solve(augmented_model.step().instant_compliance, 0.0);
   return outcome.finite && outcome.converged;
+}
+
+/// The motion and the states with which a part begins: those with which `before` ends, the last of its instants.
+void begin_part(const ConnectorForces& before, Index instants, ConnectorForces& part, Index nodes) {
+  const Index m = before.motion().cols() / (3 * instants), s = before.states().cols() / instants;
+  for (Index derivative = 0; derivative < 2; ++derivative)
+    part.begin_motion().middleCols(derivative * nodes * m, m) =
+        before.motion().middleCols(((derivative + 1) * instants - 1) * m, m);
+  part.begin_states().leftCols(s) = before.states().rightCols(s);
 }
 
 /// A column += sum_j factors_j column j of `from`: so many columns in one go.
@@ -90,6 +104,15 @@ Index worst_connector(ConnectorForces& forces) {
   return worst;
 }
 
+/// The weights at all instants move over a part, which adds its own of the second difference of its three.
+void add_second_difference(const MatrixXd& transition, const MatrixXd& weight, Index begin, MatrixXd& weights) {
+  weights = transition * weights;
+  const Index width = weight.cols();
+  weights.middleCols(begin * width, width) += weight;
+  weights.middleCols((begin + 1) * width, width) -= 2.0 * weight;
+  weights.middleCols((begin + 2) * width, width) += weight;
+}
+
 /// Weights of a column of instants for values that are linear from the first to the last.
 MatrixXd between_ends(const MatrixXd& weights, Index instants) {
   const Index width = weights.cols() / instants;
@@ -104,59 +127,78 @@ MatrixXd between_ends(const MatrixXd& weights, Index instants) {
 
 }  // namespace
 
-// The interval's N parts, each x_i = A_h x_(i-1) + G_0 f_(i-1) + G_1 f_i + drive_i, are composed once, so that the
-// state moves by one matrix and the sigma points see only the connectors' motion. After part i
-//     x_i = A_h^i x_0 + sum_j F_ij f_j + inputs,     forces <- A_h forces, with G_0 and G_1 added to two columns.
-// The connectors' motion at the end of part i is C x_i; its share of x_0 and the inputs is the nonlinear argument w,
-// its share of earlier forces is `force_motion_`, and its share of f_i itself the compliance with which f_i is solved
+// The interval's parts are composed once, so that the state moves by one matrix and the sigma points see only the
+// connectors' motion. At node j of a part that begins with instant b
+//     x_(b+j) = T_j x_b + sum_l G_jl f_(b+l) + inputs,     x_b = transition x_0 + sum_i F_i f_i + inputs.
+// The connectors' motion there is C x_(b+j); its share of x_0 and the inputs is the nonlinear argument w, its share of
+// earlier forces is `force_motion_`, and its share of the part's own forces the compliance with which these are solved
 // for. evaluate() then goes from part to part with all points at once.
+// The motion at the nodes of a part stands as ConnectorForces has it: d at all nodes, then d', then d''.
 ProcessModel::ProcessModel(const AugmentedModel& augmented_model)
     : augmented_model_(&augmented_model),
       parts_(augmented_model.options().substeps),
+      nodes_(augmented_model.step().instants()),
       motion_(motion_arguments(augmented_model.system())),
-      forces_(augmented_model.system(), augmented_model.options().forces),
+      first_forces_(augmented_model.system(), augmented_model.options().forces),
+      forces_(augmented_model.system(), augmented_model.options().forces, nodes_),
       tangent_(augmented_model) {
   const auto& layout = augmented_model.layout();
-  const auto& step = augmented_model.step();
   const auto& seen = augmented_model.form().motion();
-  const MatrixXd motion = seen.state.topRows(motion_), motion_of_input = seen.input.topRows(motion_);
-  const Index n = layout.size(), x = layout.linear, s = layout.connector_states, m = step.begin_force.cols(),
-              u = step.begin_input.cols(), instants = parts_ + 1;
-
-  const Index first = picked_arguments(layout);
+  const Index n = layout.size(), x = layout.linear, s = layout.connector_states, m = seen.force.cols(),
+              u = seen.input.cols(), first = picked_arguments(layout), instants = parts_ * nodes_ + 1;
   selection_ = MatrixXd::Zero(first + motion_ * instants, n);
-  force_motion_ = MatrixXd::Zero(motion_ * parts_, m * parts_);
+  force_motion_ = MatrixXd::Zero(motion_ * (instants - 1), m * instants);
   input_motion_ = MatrixXd::Zero(motion_ * instants, u * instants);
-  MatrixXd transition = MatrixXd::Identity(x, x), forces = MatrixXd::Zero(x, m * instants);
-  input_state_ = MatrixXd::Zero(x, u * instants);
-  selection_.middleRows(first, motion_).leftCols(x) = motion;
-  input_motion_.topLeftCorner(motion_, u) = motion_of_input;
-  for (Index part = 1; part <= parts_; ++part) {
-    transition = step.transition * transition;
-    forces = step.transition * forces;
-    input_state_ = step.transition * input_state_;
-    forces.middleCols((part - 1) * m, m) += step.begin_force;
-    input_state_.middleCols((part - 1) * u, u) += step.begin_input;
-    input_state_.middleCols(part * u, u) += step.end_input;
-    selection_.middleRows(first + motion_ * part, motion_).leftCols(x) = motion * transition;
-    force_motion_.middleRows(motion_ * (part - 1), motion_) = motion * forces.leftCols(m * parts_);
-    input_motion_.middleRows(motion_ * part, motion_) = motion * input_state_;
-    input_motion_.block(motion_ * part, u * part, motion_, u) += motion_of_input;
-    forces.middleCols(part * m, m) += step.end_force;
-  }
+  force_difference_ = MatrixXd::Zero(x, m * instants);
+  input_difference_ = MatrixXd::Zero(x, u * instants);
+  select_states_and_unknowns(layout, selection_);
+  selection_.middleRows(first, motion_).leftCols(x) = seen.state.topRows(motion_);
+  input_motion_.topLeftCorner(motion_, u) = seen.input.topRows(motion_);
+  Composed all{MatrixXd::Identity(x, x), MatrixXd::Zero(x, m * instants), MatrixXd::Zero(x, u * instants)};
+  for (Index part = 0; part < parts_; ++part) add_part(part, all);
+  input_state_ = std::move(all.inputs);
   straight_state_ = between_ends(input_state_, instants);
   straight_motion_ = between_ends(input_motion_, instants);
-  select_states_and_unknowns(layout, selection_);
+  straight_difference_ = between_ends(input_difference_, instants);
 
   linear_ = MatrixXd::Identity(n, n);
-  linear_.topLeftCorner(x, x) = transition;
+  linear_.topLeftCorner(x, x) = all.transition;
   linear_.block(x, x, s, s).setZero();
   moving_gain_ = tangent_.size();
   gain_ = MatrixXd::Zero(n, m * instants + s + moving_gain_);
-  gain_.topRows(x).leftCols(forces.cols()) = forces;
-  gain_.block(x, forces.cols(), s, s).setIdentity();
+  gain_.topRows(x).leftCols(m * instants) = all.forces;
+  gain_.block(x, m * instants, s, s).setIdentity();
   offset_ = VectorXd::Zero(n);
   input_offset_ = VectorXd::Zero(selection_.rows());
+}
+
+void ProcessModel::add_part(Index part, Composed& all) {
+  const auto& step = augmented_model_->step();
+  const auto& seen = augmented_model_->form().motion();
+  const MatrixXd motion = seen.state.topRows(motion_), motion_of_input = seen.input.topRows(motion_);
+  const Index x = motion.cols(), m = seen.force.cols(), u = seen.input.cols(), begin = part * nodes_,
+              first = picked_arguments(augmented_model_->layout());
+  Composed at;
+  for (Index node = 0; node < nodes_; ++node) {
+    const auto& [transition, force, input] = step.nodes[static_cast<std::size_t>(node)];
+    at = {transition * all.transition, transition * all.forces, transition * all.inputs};
+    at.forces.middleCols(begin * m, m) += force[0];
+    for (Index l = 0; l <= nodes_; ++l) at.inputs.middleCols((begin + l) * u, u) += input[static_cast<std::size_t>(l)];
+    for (Index derivative = 0; derivative * m < motion_; ++derivative) {
+      const Index from = derivative * m, row = begin * motion_ + (derivative * nodes_ + node) * m;
+      selection_.block(first + motion_ + row, 0, m, x) = motion.middleRows(from, m) * at.transition;
+      force_motion_.middleRows(row, m) = motion.middleRows(from, m) * at.forces;
+      input_motion_.middleRows(motion_ + row, m) = motion.middleRows(from, m) * at.inputs;
+      input_motion_.block(motion_ + row, (begin + node + 1) * u, m, u) += motion_of_input.middleRows(from, m);
+    }
+    for (Index l = 1; l <= nodes_; ++l) at.forces.middleCols((begin + l) * m, m) += force[static_cast<std::size_t>(l)];
+  }
+  if (nodes_ == 2) {
+    const MatrixXd& transition = step.nodes.back().transition;
+    add_second_difference(transition, step.curvature_force, begin, force_difference_);
+    add_second_difference(transition, step.curvature_input, begin, input_difference_);
+  }
+  all = std::move(at);
 }
 
 void ProcessModel::set_inputs(const Ref<const MatrixXd>& inputs) {
@@ -183,41 +225,53 @@ void ProcessModel::set_mean(const VectorXd& mean) {
 bool ProcessModel::evaluate(const ArrayXXd& in, ArrayXXd& out) {
   failed_connector_.reset();
   if (!derivatives_usable_) return false;
-  if (solve_interval(in, out)) return true;
-  failed_connector_ = worst_connector(forces_);
-  return false;
+  return solve_interval(in, out);
 }
 
-/// Forces at the first instant from the motion there, then of each part's end from those before, with the connectors'
+/// Forces at the first instant from the motion there, then at each part's nodes from those before, with the connectors'
 /// internal states going along.
 bool ProcessModel::solve_interval(const ArrayXXd& in, ArrayXXd& out) {
   const auto& layout = augmented_model_->layout();
-  const Index m = forces_.force().cols();
+  const Index m = first_forces_.force().cols(), of_part = forces_.force().cols(), s = layout.connector_states;
+  fit_points(first_forces_, in.rows());
   fit_points(forces_, in.rows());
-  set_unknowns(*augmented_model_, in, forces_);
-  if (!solve_instant(*augmented_model_, in, motion_, forces_)) return false;
-  out.leftCols(m) = forces_.force();
-  for (Index part = 1; part <= parts_; ++part) {
-    if (layout.connector_states > 0) {  // otherwise no force depends on the part's begin
-      forces_.begin_motion() = forces_.motion();
-      if (part > 1) forces_.begin_states() = forces_.states();
-    }
-    if (!solve_part(part, in, out)) return false;
-    out.middleCols(part * m, m) = forces_.force();
+  set_unknowns(*augmented_model_, in, 1, first_forces_);
+  set_unknowns(*augmented_model_, in, nodes_, forces_);
+  const auto fails = [&](ConnectorForces& forces) {
+    failed_connector_ = worst_connector(forces) % m;
+    return false;
+  };
+  if (!solve_instant(*augmented_model_, in, motion_, first_forces_)) return fails(first_forces_);
+  out.leftCols(m) = first_forces_.force();
+  for (Index node = 0; node < nodes_; ++node) forces_.force().middleCols(node * m, m) = first_forces_.force();
+  if (s > 0) begin_part(first_forces_, 1, forces_, nodes_);  // otherwise no force depends on the part's begin
+  for (Index part = 0; part < parts_; ++part) {
+    if (part > 0 && s > 0) begin_part(forces_, nodes_, forces_, nodes_);
+    if (!solve_part(part, in, out)) return fails(forces_);
+    out.middleCols(m + part * of_part, of_part) = forces_.force();
   }
-  out.middleCols((parts_ + 1) * m, layout.connector_states) = forces_.states();
-  tangent_.set_outputs(in, layout.connector_states, out);
+  out.middleCols(m + parts_ * of_part, s) = forces_.states().rightCols(s);
+  tangent_.set_outputs(in, s, out);
   return true;
 }
 
-/// Forces at the end of one part from those at the ends of the earlier ones, in the columns of `out`.
+/// Forces at the nodes of one part from those at the earlier instants, in the columns of `out`.
 bool ProcessModel::solve_part(Index part, const ArrayXXd& in, const ArrayXXd& out) {
-  const Index earlier = part * forces_.force().cols();
-  forces_.free_motion().leftCols(motion_) =
-      in.middleCols(picked_arguments(augmented_model_->layout()) + part * motion_, motion_);
-  add_combinations(force_motion_.block((part - 1) * motion_, 0, motion_, earlier), out, forces_.free_motion());
-  const auto outcome = forces_.solve(augmented_model_->step().compliance, augmented_model_->step().step);
+  const auto& step = augmented_model_->step();
+  const Index m = first_forces_.force().cols(), earlier = m + part * forces_.force().cols(), rows = nodes_ * motion_;
+  forces_.free_motion().leftCols(rows) =
+      in.middleCols(picked_arguments(augmented_model_->layout()) + motion_ + part * rows, rows);
+  add_combinations(force_motion_.block(part * rows, 0, rows, earlier), out, forces_.free_motion());
+  const auto outcome = forces_.solve(step.compliance, step.step / static_cast<double>(nodes_));
   return outcome.finite && outcome.converged;
+}
+
+VectorXd ProcessModel::embedded_difference(const Ref<const VectorXd>& outputs) const {
+  const auto& of_inputs = ends_.size() == input_difference_.cols() ? input_difference_ : straight_difference_;
+  VectorXd difference = VectorXd::Zero(linear_.rows());
+  difference.head(force_difference_.rows()) -=
+      force_difference_ * outputs.head(force_difference_.cols()) + of_inputs * ends_;
+  return difference;
 }
 
 AugmentedModelOutput sensor_outputs(const AugmentedModel& augmented_model) {
@@ -271,7 +325,7 @@ bool MeasurementModel::evaluate(const ArrayXXd& in, ArrayXXd& out) {
   failed_connector_.reset();
   if (!derivatives_usable_) return false;
   fit_points(forces_, in.rows());
-  set_unknowns(*augmented_model_, in, forces_);
+  set_unknowns(*augmented_model_, in, 1, forces_);
   if (!solve_instant(*augmented_model_, in, motion_, forces_)) {
     failed_connector_ = worst_connector(forces_);
     return false;

@@ -80,11 +80,12 @@ private:
   Eigen::VectorXd physical_, below_, above_;
 };
 
-/// Transition of the augmented state over one sample interval, in N equal parts over which the connector forces are
-/// linear:
+/// Transition of the augmented state over one sample interval, in equal parts over each of which the connector forces
+/// are linear or quadratic (CollocationStep). Its instants are the begin and the nodes of all parts, N + 1; with linear
+/// forces
 ///     x_i = A_h x_(i-1) + G_0 f_(i-1) + G_1 f_i + drive_i,   i = 1 ... N.
-/// Nonlinear arguments: internal states, unknowns, connector motion at the start and, as far as the linear part and the
-/// inputs give it, at the end of each part (d and d', 2m each; d'' too where a law depends on it). Nonlinear outputs:
+/// Nonlinear arguments: internal states, unknowns, connector motion at the begin and, as far as the linear part and the
+/// inputs give it, at the further instants (d and d', 2m each; d'' too where a law depends on it). Nonlinear outputs:
 /// the N + 1 forces, internal states at the end, unknowns of the linear part (ParameterTangent). The state itself is
 /// moved once over the whole interval.
 class ProcessModel final : public PartiallyLinearMap {
@@ -100,19 +101,30 @@ public:
   bool evaluate(const Eigen::ArrayXXd& in, Eigen::ArrayXXd& out) override;
   /// The connector whose force the last evaluation could not compute; nothing where it could.
   [[nodiscard]] std::optional<Eigen::Index> failed_connector() const { return failed_connector_; }
+  /// The state at the end by the embedded step of order 2 less that by the step of order 4, with the present inputs and
+  /// the forces of one evaluate(). The other forces that it would meet itself are left out.
+  [[nodiscard]] Eigen::VectorXd embedded_difference(const Eigen::Ref<const Eigen::VectorXd>& outputs) const;
 
 private:
+  /// The state after the parts so far, from that at the begin, the forces at all instants and the inputs there.
+  struct Composed {
+    Eigen::MatrixXd transition, forces, inputs;
+  };
+  void add_part(Eigen::Index part, Composed& all);
   bool solve_interval(const Eigen::ArrayXXd& in, Eigen::ArrayXXd& out);
   bool solve_part(Eigen::Index part, const Eigen::ArrayXXd& in, const Eigen::ArrayXXd& out);
 
   const AugmentedModel* augmented_model_;
-  Eigen::Index parts_, motion_;  ///< arguments of motion at one instant
-  ConnectorForces forces_;
-  /// Connector motion at the end of part i per earlier force j, block (i - 1, j), motion_ x m each.
+  Eigen::Index parts_, nodes_, motion_;  ///< motion_: arguments of motion at one instant
+  ConnectorForces first_forces_;         ///< at the interval's begin
+  ConnectorForces forces_;               ///< at the nodes of a part
+  /// Connector motion at the nodes of part i per earlier force j, block (i - 1, j), nodes_ motion_ x m each.
   Eigen::MatrixXd force_motion_;
   /// State at the end, and motion at all instants, per input at each instant: n_x and motion_ (N + 1) rows. `straight`:
   /// per input at the two ends, where it is linear between them.
   Eigen::MatrixXd input_state_, input_motion_, straight_state_, straight_motion_;
+  /// Of embedded_difference(), with the other sign: per force and per input at each instant.
+  Eigen::MatrixXd force_difference_, input_difference_, straight_difference_;
   Eigen::VectorXd ends_;
   ParameterTangent<ProcessModel> tangent_;
   Eigen::MatrixXd derivatives_;

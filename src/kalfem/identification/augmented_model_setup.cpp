@@ -277,6 +277,7 @@ AugmentedModelSetup make_augmented_model_setup(const EstimationProblem& problem,
   options.keep_initial_state = settings.estimate_initial_state;
   options.step = 1.0 / problem.sample_rate;
   options.substeps = settings.substeps.value_or(SubstepChoice{}.substeps);
+  options.step_order = settings.step_order;
   setup.sensors = sensors_of(problem, setup, issues);
   add_offsets(problem, setup);
   return setup;

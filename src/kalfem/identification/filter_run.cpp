@@ -44,7 +44,7 @@ bool is_sensor(const std::string& source) { return !source.empty() && source.fro
 MatrixXd inputs_of(const EstimationProblem& problem, const AugmentedModelSetup& setup, const Record& record) {
   const auto& sources = setup.input_sources;
   const auto n_u = static_cast<Index>(sources.size());
-  const Index parts = setup.options.substeps, fine = (record.samples() - 1) * parts + 1;
+  const Index parts = setup.options.instants(), fine = (record.samples() - 1) * parts + 1;
   MatrixXd inputs = MatrixXd::Zero(3 * n_u, fine);
   for (Index i = 0; i < n_u; ++i) {
     const std::string& source = sources[static_cast<std::size_t>(i)];
@@ -200,7 +200,7 @@ std::optional<RecordStart> known_start(const EstimationSettings& settings, const
 /// The filter's model with the prior that the record's start asks for.
 void choose_with_start(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
                        std::optional<StateCoordinates> coordinates, FilterRun& run) {
-  const auto parts = static_cast<Index>(setup.options.substeps);
+  const auto parts = static_cast<Index>(setup.options.instants());
   const MatrixXd inputs = run.input.inputs(Eigen::all, Eigen::seq(0, Eigen::last, parts));
   const auto choose_for = [&](const RecordStart& start) {
     run.start = start;
@@ -275,6 +275,7 @@ FilterRun make_filter_run_like(const FilterRun& first, const EstimationProblemPt
   run.input.noise = run.input.measured.noise().cwiseAbs2().asDiagonal();
   AugmentedModelOptions options = setup.options;
   options.substeps = first_options.substeps;
+  options.step_order = first_options.step_order;
   options.coordinates = coordinates.value_or(first_options.coordinates);
   options.prior = first_options.prior;
   options.system_at = system_of_linear_unknowns(problem, setup);
@@ -320,7 +321,8 @@ FilteredRecord run_filter(const EstimationProblemPtr& problem, const AugmentedMo
 }
 
 double steps_of_run(const EstimationProblem& problem, const Record& record, int substeps) {
-  return static_cast<double>(record.samples()) * substeps * problem.settings.passes;
+  const double linear_parts = substeps * problem.settings.step_order / 2.0;  // a step of order 4 costs two of order 2
+  return static_cast<double>(record.samples()) * linear_parts * problem.settings.passes;
 }
 
 int filter_threads(const EstimationSettings& settings) {

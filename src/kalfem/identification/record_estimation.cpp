@@ -128,6 +128,7 @@ EstimationOptions filter_options(const EstimationProblem& problem, const Augment
           .state_deviations = false,
           .deviation_stride = options.deviation_stride,
           .keep_unknowns = true,
+          .step_shift = settings.step_order == 4 && !settings.substeps && !setup.substeps && settings.passes == 1,
           .adaptive_noise = settings.adaptive_noise,
           .monitored = with_inputs(make_outputs(*setup.model, options.monitored),
                                    held_by(settings.unknown_inputs, setup), *setup.model),
@@ -148,8 +149,14 @@ void RecordEstimation::answer() {
   const SubstepChoice& choice = estimate_.substeps;
   if (!choice.chosen || setup_.substeps || estimate_.result.failure) return;
   screening_->keep_start(estimate_.start);
+  SubstepOptions options = SubstepOptions::of(problem_->settings.step_order);
+  options.first = choice.substeps;
+  if (auto within = judge_within_run(screening_->setup(), estimate_.result, options)) {
+    estimate_.substeps = *std::move(within);
+    return;
+  }
   SubstepChoice compared = compare_with_half(problem_, screening_->setup(), screening_->record(), screening_->options(),
-                                             estimate_.result, {.first = choice.substeps});
+                                             estimate_.result, options);
   other_steps_ += steps_of_run(*problem_, record_, choice.substeps / 2);
   estimate_.substeps = std::move(compared);
 }
@@ -177,7 +184,7 @@ void RecordEstimation::correct() {
 
 /// With the substeps that are given, those decided before, or the first ones to try.
 void RecordEstimation::run_first() {
-  const SubstepOptions options;
+  const auto options = SubstepOptions::of(problem_->settings.step_order);
   SubstepChoice choice{.substeps = options.first, .chosen = true};
   const auto& given = problem_->settings.substeps;
   if (given) choice = {.substeps = *given, .words = "given"};
@@ -256,7 +263,8 @@ void RecordEstimation::pass_again(int passes, bool with_start) {
 void RecordEstimation::settle_substeps(StepBudget& budget) {
   const SubstepChoice& first = estimate_.substeps;
   if (!first.limited || !first.chosen || estimate_.result.failure) return;
-  const SubstepOptions options{.first = first.substeps};
+  SubstepOptions options = SubstepOptions::of(problem_->settings.step_order);
+  options.first = first.substeps;
   auto [choice, run] = kalfem::settle_substeps(
       *problem_, screening_->setup(), screening_->record(), [&](int substeps) { return screening_->run(substeps); },
       estimate_.result, first, budget, options);

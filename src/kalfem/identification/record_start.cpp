@@ -256,7 +256,7 @@ bool states_initial_motion(const EstimationSettings& settings) {
 RecordStart start_by_first_samples(const AugmentedModel& augmented_model, const FilterInput& input,
                                    EstimationOptions options) {
   const Index samples = std::min(first_samples, input.measured.samples());
-  const Index stride = input.input_stride(augmented_model.options().substeps);
+  const Index stride = input.input_stride(augmented_model.options().instants());
   FilterInput head{input.measured, input.inputs.leftCols((samples - 1) * stride + 1), input.noise};
   head.measured.values = input.measured.values.leftCols(samples).eval();
   options.passes = 1;

@@ -57,9 +57,9 @@ VectorXd distance(const AugmentedModelSetup& setup, const Estimates& one, const 
   return distance;
 }
 
-double square_of_ratio(int finer, int coarser) {
-  const double ratio = static_cast<double>(finer) / coarser;
-  return ratio * ratio;
+/// By what the bias falls from the coarser to the finer.
+double gain_of(int finer, int coarser, const SubstepOptions& options) {
+  return std::pow(static_cast<double>(finer) / coarser, options.order);
 }
 
 bool is_small(const VectorXd& bias, const SubstepOptions& options) { return bias.maxCoeff() <= options.largest_bias; }
@@ -79,14 +79,14 @@ SubstepChoice contradicted(const SubstepOptions& options) {
 /// The most substeps for which the inputs at all of them can be held.
 int most_substeps(const AugmentedModelSetup& setup, const Record& record, const SubstepOptions& options) {
   const auto values = 3.0 * static_cast<double>(std::max<std::size_t>(1, setup.input_sources.size())) *
-                      static_cast<double>(record.samples());
+                      static_cast<double>(record.samples()) * setup.options.step_order / 2.0;
   return static_cast<int>(std::min<double>(options.most, options.most_input_values / values));
 }
 
-/// Doubled as often as the bias asks for, which falls with the square; no further than the limit.
+/// Doubled as often as the bias asks for; no further than the limit.
 int enough(const SubstepChoice& choice, int most, const SubstepOptions& options) {
   int next = 2 * choice.substeps;
-  while (choice.bias.maxCoeff() / square_of_ratio(next, choice.substeps) > options.largest_bias && 2 * next <= most)
+  while (choice.bias.maxCoeff() / gain_of(next, choice.substeps, options) > options.largest_bias && 2 * next <= most)
     next *= 2;
   return next;
 }
@@ -98,6 +98,19 @@ FilteredRecord run_with(const EstimationProblemPtr& problem, AugmentedModelSetup
 }
 
 }  // namespace
+
+std::optional<SubstepChoice> judge_within_run(const AugmentedModelSetup& setup, const EstimationResult& run,
+                                              const SubstepOptions& substeps) {
+  const MatrixXd& shift = run.step_shift;
+  if (shift.size() == 0 || run.failure || !shift.allFinite()) return std::nullopt;
+  Estimates estimates = estimates_of(setup, run, substeps.first), shifted = estimates;
+  shifted.mean += shift.rightCols(shifted.mean.cols());
+  SubstepChoice choice{.substeps = substeps.first, .chosen = true};
+  choice.bias = distance(setup, shifted, estimates);
+  choice.words = "from what a step of order 2 would shift in the estimates";
+  if (!is_small(choice.bias, substeps)) return std::nullopt;
+  return choice;
+}
 
 SubstepChoice compare_with_half(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
                                 const Record& record, const EstimationOptions& options, const EstimationResult& first,
@@ -114,12 +127,13 @@ SubstepChoice compare_with_half(const EstimationProblemPtr& problem, const Augme
   estimates_only.monitored = {};
   estimates_only.keep_unknowns = estimates_only.keep_gains = false;
   estimates_only.state_means = estimates_only.state_deviations = false;
+  estimates_only.step_shift = false;
   const auto half = run_with(problem, setup, record, estimates_only, substeps.first / 2);
   if (half.result.failure) return choice;
   const Estimates fine = estimates_of(setup, first, substeps.first),
                   coarse = estimates_of(setup, half.result, substeps.first / 2);
   if (contradicts_anyway(coarse, fine)) return contradicted(substeps);
-  choice.bias = distance(setup, coarse, fine) / (square_of_ratio(fine.substeps, coarse.substeps) - 1.0);
+  choice.bias = distance(setup, coarse, fine) / (gain_of(fine.substeps, coarse.substeps, substeps) - 1.0);
   choice.limited = leaves_much(choice, substeps);
   return choice;
 }
@@ -147,8 +161,8 @@ SettledSubsteps settle_substeps(const EstimationProblem& problem, const Augmente
     }
     const Estimates fine = estimates_of(setup, finer.result, next);
     if (contradicts_anyway(coarse, fine)) return {contradicted(substeps), {}};
-    const VectorXd change = distance(setup, coarse, fine) / (square_of_ratio(next, coarse.substeps) - 1.0);
-    const VectorXd of_coarse = change * square_of_ratio(next, coarse.substeps);
+    const VectorXd change = distance(setup, coarse, fine) / (gain_of(next, coarse.substeps, substeps) - 1.0);
+    const VectorXd of_coarse = change * gain_of(next, coarse.substeps, substeps);
     if (coarse.substeps == substeps.first && is_small(of_coarse, substeps)) {
       choice.bias = of_coarse;
       break;
@@ -168,8 +182,10 @@ SettledSubsteps settle_substeps(const EstimationProblem& problem, const Augmente
   return settled;
 }
 
-RefinedFilter run_refined_filter(const EstimationProblemPtr& problem, AugmentedModelSetup setup, const Record& record,
-                                 const EstimationOptions& options, const SubstepOptions& substeps) {
+namespace {
+
+RefinedFilter run_refined_from(const SubstepOptions& substeps, const EstimationProblemPtr& problem,
+                               AugmentedModelSetup setup, const Record& record, const EstimationOptions& options) {
   const RunWithSubsteps run = [&](int count) { return run_with(problem, setup, record, options, count); };
   if (const auto given = problem->settings.substeps) return {run(*given), {.substeps = *given, .words = "given"}};
   if (setup.substeps) return {run(setup.substeps->substeps), *setup.substeps};
@@ -179,14 +195,22 @@ RefinedFilter run_refined_filter(const EstimationProblemPtr& problem, AugmentedM
     from_there.first *= substeps.rescue;
     FilteredRecord finer = run(from_there.first);
     if (finer.result.failure) return {std::move(first), {.substeps = substeps.first, .chosen = true}};
-    return run_refined_filter(problem, std::move(setup), record, options, from_there);
+    return run_refined_from(from_there, problem, std::move(setup), record, options);
   }
   setup.starts_at_rest = !first.run.start.moving;
+  if (auto within = judge_within_run(setup, first.result, substeps)) return {std::move(first), *std::move(within)};
   StepBudget unlimited;
   auto settled =
       settle_substeps(*problem, setup, record, run, first.result,
                       compare_with_half(problem, setup, record, options, first.result, substeps), unlimited, substeps);
   return {settled.run ? std::move(*settled.run) : std::move(first), std::move(settled.choice)};
+}
+
+}  // namespace
+
+RefinedFilter run_refined_filter(const EstimationProblemPtr& problem, AugmentedModelSetup setup, const Record& record,
+                                 const EstimationOptions& options) {
+  return run_refined_from(SubstepOptions::of(problem->settings.step_order), problem, std::move(setup), record, options);
 }
 
 }  // namespace kalfem

@@ -10,6 +10,13 @@ namespace kalfem {
 
 /// When a filter's model divides a sample interval finely enough.
 struct SubstepOptions {
+  /// For a filter's step of this order, AugmentedModelOptions::step_order: first runs of the same cost. A step of order
+  /// 4 counts as one of order 3, between what laws with kinks and smooth ones give.
+  static SubstepOptions of(int step_order) {
+    return {.order = step_order == 4 ? 3 : 2, .first = step_order == 4 ? 2 : 4};
+  }
+
+  int order = 2;              ///< the bias falls with this power of the substeps
   double largest_bias = 0.2;  ///< of an unknown's estimate, in its standard deviations
   int first = 4;              ///< substeps of the first run
   int most = 128;
@@ -17,13 +24,19 @@ struct SubstepOptions {
   double most_input_values = 1e8;  ///< numbers of the inputs at all substeps of the record
 };
 
+/// What the embedded step of order 2 would shift in the estimates of a run with a step of order 4
+/// (EstimationResult::step_shift), as their bias, where that is small already: the step itself errs by less. Nothing
+/// otherwise; then only a comparison tells.
+std::optional<SubstepChoice> judge_within_run(const AugmentedModelSetup& setup, const EstimationResult& run,
+                                              const SubstepOptions& substeps);
+
 /// The first comparison: what the substeps `options.first`, with which `first` was run, leave in the estimates, from
 /// one run more with half of them (Richardson),
-///     bias(N) = |theta(N) - theta(N')| / ((N / N')^2 - 1),   N > N',
-/// in stated standard deviations: the robust ones would grow with the very errors that a coarse step makes. Connector
-/// forces and inputs are linear over a substep, so the bias falls with the square of their number N. The whole record
-/// is used, because its hardest part, loud or fast, is seldom its start. An unknown with a random walk counts by the
-/// root mean square over the record. `limited` where the bias is not small, or not known because the filter fails.
+///     bias(N) = |theta(N) - theta(N')| / ((N / N')^p - 1),   N > N',
+/// in stated standard deviations: the robust ones would grow with the very errors that a coarse step makes. Where the
+/// connectors' laws are smooth the bias falls with the power p of the number N (SubstepOptions::order). The whole
+/// record is used, because its hardest part, loud or fast, is seldom its start. An unknown with a random walk counts by
+/// the root mean square over the record. `limited` where the bias is not small, or not known because the filter fails.
 SubstepChoice compare_with_half(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
                                 const Record& record, const EstimationOptions& options, const EstimationResult& first,
                                 const SubstepOptions& substeps = {});
@@ -54,6 +67,6 @@ struct RefinedFilter {
 /// as many as the estimates need: one run more over the record, with 2, where 4 are enough. A number that is given is
 /// not checked, as that would cost the run that it saves.
 RefinedFilter run_refined_filter(const EstimationProblemPtr& problem, AugmentedModelSetup setup, const Record& record,
-                                 const EstimationOptions& options, const SubstepOptions& substeps = {});
+                                 const EstimationOptions& options);
 
 }  // namespace kalfem

@@ -156,7 +156,8 @@ MatrixXd RunsBeside::added_to_sensor(Index row, bool delay) const {
 
 MatrixXd RunsBeside::added_to_input(Index input, bool delay) const {
   const MatrixXd& inputs = filter_.input.inputs;
-  const Index n_u = inputs.rows() / 3, stride = filter_.input.input_stride(*problem_->settings.substeps);
+  const Index n_u = inputs.rows() / 3,
+              stride = filter_.input.input_stride(filter_.choice.augmented_model->options().instants());
   MatrixXd added = MatrixXd::Zero(inputs.rows(), inputs.cols());
   for (Index d = 0; d < 3; ++d) {
     const Index row = d * n_u + input;

@@ -4,11 +4,14 @@
 #include <cmath>
 #include <string>
 #include <unsupported/Eigen/MatrixFunctions>
+#include <vector>
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/linalg/scaling.hpp"
 
 namespace kalfem {
+
+using Eigen::MatrixXd;
 
 namespace {
 
@@ -33,33 +36,58 @@ Eigen::RowVectorXd input_scale(const Eigen::MatrixXd& B) {
       [](double norm) { return norm > 0.0 ? std::exp2(-std::ceil(std::log2(norm))) : 1.0; });
 }
 
+/// e^(Ah) and h phi_j(Ah) B, j = 1 ... count.
+struct PhiProducts {
+  MatrixXd exponential;
+  std::vector<MatrixXd> products;
+};
+
+// One exponential gives the transition and the weights of x' = A x + B u with u a polynomial over the step [VL78]:
+//     exp [A h, B h, 0; 0, 0, 1; 0, 0, 0] = [e^(Ah), h phi_1(Ah) B, h phi_2(Ah) B; ...],
+// one block row more for each further power. States are balanced and inputs scaled by powers of two before: the
+// exponential's squarings then follow the frequencies and not the units, and scaling back is exact.
+PhiProducts phi_products(const Eigen::Ref<const MatrixXd>& A, const Eigen::Ref<const MatrixXd>& B, double h,
+                         Eigen::Index count) {
+  const Eigen::Index n = A.rows(), m = B.cols();
+  if (n == 0) return {A, std::vector<MatrixXd>(static_cast<std::size_t>(count), B)};
+
+  const Eigen::VectorXd d = balancing_scale(A);
+  const MatrixXd balanced_input = d.cwiseInverse().asDiagonal() * B * h;
+  const Eigen::RowVectorXd e = input_scale(balanced_input);
+
+  MatrixXd augmented = MatrixXd::Zero(n + count * m, n + count * m);
+  augmented.topLeftCorner(n, n) = d.cwiseInverse().asDiagonal() * A * d.asDiagonal() * h;
+  augmented.block(0, n, n, m) = balanced_input * e.asDiagonal();
+  for (Eigen::Index j = 1; j < count; ++j) augmented.block(n + (j - 1) * m, n + j * m, m, m).setIdentity();
+  const MatrixXd exponential = augmented.exp();
+
+  PhiProducts all{d.asDiagonal() * exponential.topLeftCorner(n, n) * d.cwiseInverse().asDiagonal(), {}};
+  const Eigen::RowVectorXd unscale = e.cwiseInverse();
+  for (Eigen::Index j = 0; j < count; ++j)
+    all.products.emplace_back(d.asDiagonal() * exponential.block(0, n + j * m, n, m) * unscale.asDiagonal());
+  return all;
+}
+
 }  // namespace
 
-// One exponential gives the transition and both weights of x' = A x + B u with u linear over the step [VL78]:
-//     exp [A h, B h, 0; 0, 0, 1; 0, 0, 0] = [e^(Ah), G, G1; ...],    x1 = e^(Ah) x0 + (G - G1) u0 + G1 u1.
-// States are balanced and inputs scaled by powers of two before: the exponential's squarings then follow the
-// frequencies and not the units, and scaling back is exact.
 FirstOrderHold first_order_hold(const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<const Eigen::MatrixXd>& B,
                                 double h) {
   check(A, B, h);
-  const Eigen::Index n = A.rows();
-  const Eigen::Index m = B.cols();
-  if (n == 0) return {A, B, B};
+  const auto [exponential, P] = phi_products(A, B, h, 2);
+  return {exponential, P[0] - P[1], P[1]};
+}
 
-  const Eigen::VectorXd d = balancing_scale(A);
-  const Eigen::MatrixXd balanced_input = d.cwiseInverse().asDiagonal() * B * h;
-  const Eigen::RowVectorXd e = input_scale(balanced_input);
-
-  Eigen::MatrixXd augmented = Eigen::MatrixXd::Zero(n + 2 * m, n + 2 * m);
-  augmented.topLeftCorner(n, n) = d.cwiseInverse().asDiagonal() * A * d.asDiagonal() * h;
-  augmented.block(0, n, n, m) = balanced_input * e.asDiagonal();
-  augmented.block(n, n + m, m, m).setIdentity();
-  const Eigen::MatrixXd exponential = augmented.exp();
-
-  const Eigen::RowVectorXd unscale = e.cwiseInverse();
-  const Eigen::MatrixXd G = d.asDiagonal() * exponential.block(0, n, n, m) * unscale.asDiagonal();
-  const Eigen::MatrixXd G1 = d.asDiagonal() * exponential.block(0, n + m, n, m) * unscale.asDiagonal();
-  return {d.asDiagonal() * exponential.topLeftCorner(n, n) * d.cwiseInverse().asDiagonal(), G - G1, G1};
+// Over the first half a0 = u0, a1 = (4 u_m - 3 u0 - u1) / 2, over the second a0 = u_m, a1 = (u1 - u0) / 2, and
+// a2 = u0 - 2 u_m + u1 over both.
+QuadraticHold quadratic_hold(const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<const Eigen::MatrixXd>& B,
+                             double h) {
+  check(A, B, h);
+  const auto [half, P] = phi_products(A, B, 0.5 * h, 3);
+  const QuadraticHold::Instant middle{half, P[0] - 1.5 * P[1] + P[2], 2.0 * (P[1] - P[2]), P[2] - 0.5 * P[1]};
+  const QuadraticHold::Instant end{half * half, half * middle.begin_weight + P[2] - 0.5 * P[1],
+                                   half * middle.middle_weight + P[0] - 2.0 * P[2],
+                                   half * middle.end_weight + P[2] + 0.5 * P[1]};
+  return {middle, end, half * middle.end_weight + middle.end_weight};
 }
 
 namespace {

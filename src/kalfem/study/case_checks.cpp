@@ -50,10 +50,17 @@ void check_steps(const d::Simulation& given, IssueList& issues) {
                "a fixed step is not refined", "remove `substeps` or the others");
 }
 
+void check_step_order(const d::Estimation& given, IssueList& issues) {
+  if (given.step_order && given.step_order->value == 3)
+    issues.add(given.step_order->location, given.step_order->path + " is 3", "the filter has steps of order 2 and 4",
+               "write 2 or 4");
+}
+
 }  // namespace
 
 void check_sections(const d::Case& given, IssueList& issues) {
   if (given.simulate) check_steps(*given.simulate, issues);
+  if (given.estimate) check_step_order(*given.estimate, issues);
   check_unknown_excitations(given, issues);
   const auto place = [&](const char* section) { return given.source.at({section}); };
   if (given.simulate && given.record)

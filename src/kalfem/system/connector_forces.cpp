@@ -47,10 +47,11 @@ void add_scaled(double factor, const ArrayXXd& from, Index from_column, ArrayXXd
 /// The iteration on arrays in blocks of points.
 class ConnectorForces::Solver {
 public:
-  Solver(const std::vector<Connector>& connectors, const ForceSolveOptions& options, const PointBlocks& blocks)
+  Solver(const std::vector<Connector>& connectors, const ForceSolveOptions& options, const PointBlocks& blocks,
+         Index instants)
       : options_(options),
         blocks_(blocks),
-        laws_(connectors, blocks),
+        laws_(connectors, blocks, instants),
         newton_(static_cast<Index>(connectors.size()), blocks),
         uses_acceleration_(std::ranges::any_of(
             connectors, [](const Connector& connector) { return connector.law->uses_acceleration(); })),
@@ -91,9 +92,11 @@ private:
   ArrayXXd residual_, next_residual_;      ///< |law - f| before and after the correction that led to f
 };
 
-ConnectorForces::ConnectorForces(const LocallyNonlinearSystem& system, ForceSolveOptions options) : options_(options) {
-  for (const auto& connector : system.connectors)
-    connectors_.push_back({connector.name, connector.law, connector.parameters, {}, {}});
+ConnectorForces::ConnectorForces(const LocallyNonlinearSystem& system, ForceSolveOptions options, Index instants)
+    : options_(options), instants_(instants) {
+  for (Index instant = 0; instant < instants; ++instant)
+    for (const auto& connector : system.connectors)
+      connectors_.push_back({connector.name, connector.law, connector.parameters, {}, {}});
   resize(1);
 }
 
@@ -119,7 +122,7 @@ void ConnectorForces::resize(Index points) {
   for (auto* motion : {&free_motion_, &begin_motion_, &motion_}) *motion = ArrayXXd::Zero(points, 3 * m);
   for (auto* states : {&begin_states_, &states_}) *states = ArrayXXd::Zero(points, state_count);
   force_ = ArrayXXd::Zero(points, m);
-  solver_ = std::make_unique<Solver>(connectors_, options_, PointBlocks(points));
+  solver_ = std::make_unique<Solver>(connectors_, options_, PointBlocks(points), instants_);
 }
 
 ForceSolveOutcome ConnectorForces::solve(const MatrixXd& compliance, double duration) {

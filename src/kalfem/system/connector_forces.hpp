@@ -31,9 +31,14 @@ struct ForceSolveOutcome {
 /// A solver knows the connectors' motion up to their own forces, k = k_free + H f with k = [d; d'; d''] (3m) and H
 /// constant (3m x m), and asks for the f with f = law(k_free + H f). All points take Newton corrections until the last
 /// of them is done, shortened where a residual grows; where that does not end, each connector in turn by bisection.
+///
+/// The forces at several instants, equally far apart, may be solved for together: below m then counts the connectors at
+/// all instants, those of the first one before those of the second. Internal states go from one to the next; what they
+/// carry over is left out of Newton's tangents.
 class ConnectorForces {
 public:
-  explicit ConnectorForces(const LocallyNonlinearSystem& system, ForceSolveOptions options = {});
+  explicit ConnectorForces(const LocallyNonlinearSystem& system, ForceSolveOptions options = {},
+                           Eigen::Index instants = 1);
   ConnectorForces(ConnectorForces&&) noexcept;
   ConnectorForces& operator=(ConnectorForces&&) noexcept;
   ~ConnectorForces();
@@ -58,7 +63,8 @@ public:
   [[nodiscard]] const Eigen::ArrayXXd& motion() const { return motion_; }  ///< k = k_free + H f, output
   [[nodiscard]] const Eigen::ArrayXXd& states() const { return states_; }  ///< s at the end, output
 
-  /// Solves f = law(k_free + H f) over an interval of the given duration (0: at an instant, states stay).
+  /// Solves f = law(k_free + H f) over an interval of the given duration (0: at an instant, states stay), the one up to
+  /// the first of several instants.
   ForceSolveOutcome solve(const Eigen::MatrixXd& compliance, double duration);
 
 private:
@@ -66,6 +72,7 @@ private:
 
   std::vector<Connector> connectors_;  ///< laws and their own parameters; the rest is empty
   ForceSolveOptions options_;
+  Eigen::Index instants_;
   std::vector<Eigen::Index> first_parameter_;  ///< of each connector, a column of parameters_
   std::vector<char> parameter_changed_;        ///< since the last solve
   Eigen::ArrayXXd parameters_, free_motion_, begin_motion_, motion_, begin_states_, states_, force_;

@@ -14,8 +14,9 @@ using Eigen::Index;
 // Arrays hold one column a connector and quantity, one row a point; each law is called with views of its columns, made
 // once. A law that works point by point is not asked for points that only repeat others (PointBlocks fills the last
 // block of lanes with repeated points): it is called for the whole blocks and the rest, and its answers are copied.
-ConnectorResponse::ConnectorResponse(const std::vector<Connector>& connectors, const PointBlocks& blocks)
-    : blocks_(blocks) {
+ConnectorResponse::ConnectorResponse(const std::vector<Connector>& connectors, const PointBlocks& blocks,
+                                     Index instants)
+    : blocks_(blocks), instants_(instants) {
   std::vector<Columns> columns;
   Index parameter_count = 0, state_count = 0;
   for (const auto& connector : connectors) {
@@ -32,6 +33,11 @@ ConnectorResponse::ConnectorResponse(const std::vector<Connector>& connectors, c
   for (auto* array : {&motion, &tangents}) *array = ArrayXXd::Zero(blocks.rows, 3 * m);
   for (auto* array : {&begin_states, &states}) *array = ArrayXXd::Zero(blocks.rows, state_count);
   force = ArrayXXd::Zero(blocks.rows, m);
+  if (instants > 1 && state_count > 0) {
+    whole_force_ = force;
+    whole_tangents_ = tangents;
+    whole_states_ = states;
+  }
 
   for (const auto& at : columns) {
     const auto& law = *laws_[static_cast<std::size_t>(at.connector)];
@@ -47,14 +53,14 @@ ConnectorResponse::ConnectorResponse(const std::vector<Connector>& connectors, c
 }
 
 void ConnectorResponse::add_call(const ConnectorLaw& law, const Columns& at, Index first_row, Index row_count) {
-  const Index m = force.cols(), j = at.connector;
+  const Index m = force.cols(), j = at.connector, of_instant = m / instants_;
   const auto column = [&](ArrayXXd& of, Index index) { return of.col(index).segment(first_row, row_count); };
   const auto columns = [&](ArrayXXd& of, Index index, Index count) {
     return of.block(first_row, index, row_count, count);
   };
   // The signals of a law are the deformations of the connectors that follow its own.
   const auto signals = [&](ArrayXXd& of) {
-    if (at.signal_count == 0 || j + at.signal_count >= m) return no_signals();
+    if (at.signal_count == 0 || j % of_instant + at.signal_count >= of_instant) return no_signals();
     return LawSignals(&of(first_row, j + 1), row_count, at.signal_count, Eigen::OuterStride<>(of.rows()));
   };
   calls_.push_back({&law,
@@ -63,14 +69,63 @@ void ConnectorResponse::add_call(const ConnectorLaw& law, const Columns& at, Ind
                      column(motion, m + j), column(motion, 2 * m + j), signals(begin_motion), signals(motion)},
                     {column(force, j), column(tangents, j), column(tangents, m + j), column(tangents, 2 * m + j),
                      columns(states, at.state, at.state_count)}});
+  if (instants_ > 1 && at.state_count > 0 && j >= of_instant) add_whole_call(calls_.back(), at, first_row, row_count);
+}
+
+/// The same with the begin of the first instant's connector.
+void ConnectorResponse::add_whole_call(const Call& second, const Columns& at, Index first_row, Index row_count) {
+  const Index m = force.cols(), j = at.connector, first = j - m / instants_,
+              first_state = at.state - states.cols() / instants_;
+  const auto column = [&](ArrayXXd& of, Index index) { return of.col(index).segment(first_row, row_count); };
+  const auto columns = [&](ArrayXXd& of, Index index, Index count) {
+    return of.block(first_row, index, row_count, count);
+  };
+  const LawPoints& end = second.points;
+  const auto begin_signals = end.signals.cols() == 0
+                                 ? no_signals()
+                                 : LawSignals(&begin_motion(first_row, first + 1), row_count, at.signal_count,
+                                              Eigen::OuterStride<>(begin_motion.rows()));
+  second_calls_.push_back(second);
+  whole_calls_.push_back({second.law,
+                          {0.0, end.parameters, column(begin_motion, first), column(begin_motion, m + first),
+                           columns(begin_states, first_state, at.state_count), end.deformation, end.rate,
+                           end.acceleration, begin_signals, end.signals},
+                          {column(whole_force_, j), column(whole_tangents_, j), column(whole_tangents_, m + j),
+                           column(whole_tangents_, 2 * m + j), columns(whole_states_, at.state, at.state_count)}});
 }
 
 void ConnectorResponse::respond(double duration) {
-  for (auto& call : calls_) {
+  const auto of_instant = calls_.size() / static_cast<std::size_t>(instants_);
+  for (std::size_t i = 0; i < calls_.size(); ++i) {
+    if (i > 0 && i % of_instant == 0 && states.cols() > 0) begin_where_ended();
+    auto& call = calls_[i];
     call.points.duration = duration;
     call.law->respond(call.points, call.response);
   }
+  extrapolate(duration);
   for (const auto& at : repeated_) repeat_points(at);
+}
+
+void ConnectorResponse::begin_where_ended() {
+  const Index all = force.cols(), m = all / 2, s = states.cols() / 2;
+  for (Index derivative = 0; derivative < 2; ++derivative)
+    begin_motion.middleCols(derivative * all + m, m) = motion.middleCols(derivative * all, m);
+  begin_states.rightCols(s) = states.leftCols(s);
+}
+
+void ConnectorResponse::extrapolate(double duration) {
+  for (std::size_t i = 0; i < whole_calls_.size(); ++i) {
+    auto& [law, points, whole] = whole_calls_[i];
+    points.duration = 2.0 * duration;
+    law->respond(points, whole);
+    LawResponse& halves = second_calls_[i].response;
+    const auto improve = [](auto& of_halves, const auto& of_whole) { of_halves += (of_halves - of_whole) / 3.0; };
+    improve(halves.force, whole.force);
+    improve(halves.stiffness, whole.stiffness);
+    improve(halves.damping, whole.damping);
+    improve(halves.inertance, whole.inertance);
+    improve(halves.states, whole.states);
+  }
 }
 
 /// A law that goes from point to point is not asked for the repeated ones.

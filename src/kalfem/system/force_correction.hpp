@@ -76,9 +76,13 @@ private:
 
 /// Arrays of all connector laws in blocks of points, and the calls of the laws on them. Rows are those of the blocks.
 /// The laws' arguments point into the arrays: these keep their size and place.
+/// The connectors may be the same ones at two instants, those of an instant together: the second ones begin with the
+/// motion and the states at which the first ones end. Laws integrate their states with an error of second order, so
+/// that what a law with states answers at the second instant is Richardson's extrapolation (4 a - b) / 3 of that answer
+/// a and of the answer b over the whole of both intervals.
 class ConnectorResponse {
 public:
-  ConnectorResponse(const std::vector<Connector>& connectors, const PointBlocks& blocks);
+  ConnectorResponse(const std::vector<Connector>& connectors, const PointBlocks& blocks, Eigen::Index instants = 1);
   ConnectorResponse(const ConnectorResponse&) = delete;
   ConnectorResponse& operator=(const ConnectorResponse&) = delete;
 
@@ -90,7 +94,7 @@ public:
   Eigen::ArrayXXd tangents;      ///< [df/dd, df/dd', df/dd''], 3m columns, output
   Eigen::ArrayXXd states;        ///< at the interval's end, output
 
-  /// Forces, tangents and states at the end of an interval of the given duration.
+  /// Forces, tangents and states at the end of an interval of the given duration, which is each one's of several.
   void respond(double duration);
 
 private:
@@ -104,11 +108,18 @@ private:
     LawResponse response;
   };
   void add_call(const ConnectorLaw& law, const Columns& at, Eigen::Index first_row, Eigen::Index row_count);
+  void add_whole_call(const Call& second, const Columns& at, Eigen::Index first_row, Eigen::Index row_count);
   void repeat_points(const Columns& at);
+  void begin_where_ended();
+  void extrapolate(double duration);
 
   PointBlocks blocks_;
   std::vector<ConnectorLawPtr> laws_;
   std::vector<Call> calls_;
+  Eigen::Index instants_;           ///< 1 or 2
+  std::vector<Call> whole_calls_;   ///< over both intervals, with answers of their own
+  std::vector<Call> second_calls_;  ///< that they improve
+  Eigen::ArrayXXd whole_force_, whole_tangents_, whole_states_;
   std::vector<Columns> repeated_;  ///< of laws whose answers at repeated points are copied
 };
 

@@ -238,7 +238,7 @@ private:
   /// mean(y) = A x + G mean(phi) + b and the diagonal of P_yy = A P A^T + T G^T + G T^T, T = A P_xphi + G P_phi / 2.
   bool store_monitored(Index k, const VectorXd& mean, const SmootherStep& step, const Adjoint& adjoint) {
     auto& map = *step.model->setup->monitored;
-    map.set_inputs(input_.inputs.col(k * input_.input_stride(augmented_model_.options().substeps)));
+    map.set_inputs(input_.inputs.col(k * input_.input_stride(augmented_model_.options().instants())));
     if (map.moving_gain() > 0) map.set_mean(mean);
     const MatrixXd &A = map.linear(), &N = map.selection(), &G = map.gain();
     const bool anew = k % options_.deviation_stride == 0;

@@ -111,7 +111,9 @@ Table open_loop_table(const EstimationOutcome& outcome) {
 
 std::string substep_words(const EstimationOutcome& outcome) {
   const auto& choice = outcome.substeps;
-  const std::string number = fmt::format("{} substep{} per sample", choice.substeps, choice.substeps == 1 ? "" : "s");
+  const bool fourth = outcome.augmented_model && outcome.augmented_model->options().step_order == 4;
+  const std::string number = fmt::format("{} substep{} per sample{}", choice.substeps, choice.substeps == 1 ? "" : "s",
+                                         fourth ? ", each of fourth order" : "");
   if (!choice.chosen) return number + ", as stated; their bias was not measured";
   const Eigen::Index largest = choice.largest();
   if (largest < 0) return number + ": " + choice.words;
