@@ -4,8 +4,8 @@
 set(KALFEM_CORE_HEADERS
     kalfem.hpp
     # a structure and what is done with it
-    api/compare.hpp api/estimate.hpp api/finite_elements.hpp api/infer.hpp api/laws.hpp api/live_filter.hpp api/online_filter.hpp api/place.hpp api/sensors.hpp api/simulate.hpp
-    api/structure.hpp api/update.hpp api/vibration.hpp
+    api/compare.hpp api/estimate.hpp api/finite_elements.hpp api/infer.hpp api/laws.hpp api/live_filter.hpp api/online_filter.hpp api/place.hpp api/predict.hpp api/sensors.hpp api/simulate.hpp api/statics.hpp
+    api/structure.hpp api/update.hpp api/validate.hpp api/vibration.hpp
     # what these are described by
     base/interruption.hpp base/invalid_input.hpp base/progress.hpp
     diagnosis/diagnosis.hpp verdict/verdict.hpp
@@ -16,6 +16,7 @@ set(KALFEM_CORE_HEADERS
     model/gauges/gauge_description.hpp
     model/statics/load_case.hpp # of decks
     records/record.hpp reduction/superelement.hpp
+    vibration/computed_response.hpp
     system/connector_law.hpp system/signal.hpp
     system/sensors/measurement_chain.hpp system/sensors/output_description.hpp
     system/signals/sampled.hpp)
@@ -25,7 +26,7 @@ set(KALFEM_STUDY_HEADERS report/run_case.hpp)
 
 # The folders' libraries of each component; a component uses those before it.
 set(KALFEM_CORE_LIBRARIES base linalg statistics sampling information verdict records model reduction system dynamics estimation prediction updating
-                          identification inference placement diagnosis api)
+                          identification inference placement validation vibration diagnosis api)
 if(KALFEM_MPI)
   list(APPEND KALFEM_CORE_LIBRARIES distributed)
 endif()

@@ -31,10 +31,12 @@ void bind_likelihood(py::module_& module);
 void bind_run(py::module_& module);
 void bind_sensors(py::module_& module);
 void bind_simulate(py::module_& module);
+void bind_statics(py::module_& module);
 void bind_structure(py::module_& module);
 void bind_sweep(py::module_& module);
 void bind_place(py::module_& module);
 void bind_update(py::module_& module);
+void bind_validate(py::module_& module);
 void bind_vibration(py::module_& module);
 
 /// "sensors['a3']": an argument that is a dictionary, by its key.

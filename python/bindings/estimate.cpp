@@ -145,8 +145,15 @@ void refuse_milliseconds(const Structure& structure, const TimeGrid& grid) {
                        "so slow a record shows no vibration: t looks like milliseconds", "give t in seconds, t / 1000");
 }
 
-py::tuple estimate_record(const Structure& structure, const py::object& t, const py::object& y, const py::dict& inputs,
-                          const py::dict& arguments, const py::object& progress) {
+/// The arguments of an estimation in the library's types.
+struct Question {
+  Structure structure;
+  Record record;
+  EstimateOptions options;
+};
+
+Question question_of(const Structure& structure, const py::object& t, const py::object& y, const py::dict& inputs,
+                     const py::dict& arguments) {
   EstimateOptions options = options_of(structure, arguments);
   std::vector<std::string> names;
   for (const auto& sensor : options.sensors) names.push_back(sensor.name);
@@ -155,13 +162,48 @@ py::tuple estimate_record(const Structure& structure, const py::object& t, const
   const Record record = record_of(grid, y, names);
   set_relative_noise(arguments["sensors"], record, options.sensors);
   options.deviation_stride = std::max(1, static_cast<int>(std::lround(grid.sample_rate / deviations_per_second)));
-  const Structure moved = driven(structure, inputs, grid.start, grid.sample_rate, grid.samples);
-  auto result = long_call(structure, progress, [&](const Progress& report) {
-    options.progress = report;
-    return estimate(moved, record, options);
-  });
+  return {driven(structure, inputs, grid.start, grid.sample_rate, grid.samples), record, options};
+}
+
+py::tuple estimate_record(const Structure& structure, const py::object& t, const py::object& y, const py::dict& inputs,
+                          const py::dict& arguments, const py::object& progress) {
+  auto [moved, record, options] = question_of(structure, t, y, inputs, arguments);
+  auto result =
+      long_call(structure, progress, [&, &moved = moved, &record = record, &options = options](const Progress& report) {
+        options.progress = report;
+        return estimate(moved, record, options);
+      });
   const py::dict summary = summary_of(result, options);
   return py::make_tuple(summary, datasets_of(result, record, options.sensors));
+}
+
+const char* word_for(ObservedQuantity quantity) {
+  if (quantity == ObservedQuantity::displacement) return "displacement";
+  return quantity == ObservedQuantity::acceleration ? "acceleration" : "strain";
+}
+
+py::tuple predict_substructure(const Structure& structure, const py::object& t, const py::object& y,
+                               const std::string& substructure, int steps, const py::dict& inputs,
+                               const py::dict& arguments, const py::object& progress) {
+  auto question = question_of(structure, t, y, inputs, arguments);
+  PredictOptions options{.estimate = question.options, .substructure = substructure, .steps = steps};
+  auto result = long_call(structure, progress, [&](const Progress& report) {
+    options.estimate.progress = report;
+    return predict(question.structure, question.record, options);
+  });
+  py::dict summary = summary_of(result.estimate, question.options);
+  summary["title"] = "predict";
+  if (!result.failure.empty()) {
+    summary["status"] = "unusable";
+    summary["message"] = result.failure;
+  }
+  py::dict all = datasets_of(result.estimate, question.record, question.options.sensors);
+  Datasets predicted;
+  for (auto& [place, unit, quantity, values] : result.predicted)
+    predicted.add("prediction/" + place + "/" + word_for(quantity), std::move(values), unit,
+                  question.record.sample_rate);
+  all.attr("update")(predicted.take());
+  return py::make_tuple(summary, all);
 }
 
 }  // namespace
@@ -208,6 +250,9 @@ void bind_estimate(py::module_& module) {
   module.def("estimate", &estimate_record, py::arg("structure"), py::arg("t"), py::arg("y"), py::arg("inputs"),
              py::arg("arguments"), py::arg("progress") = py::none(),
              "Summary and datasets of an estimation: see kalfem.estimate.");
+  module.def("predict", &predict_substructure, py::arg("structure"), py::arg("t"), py::arg("y"),
+             py::arg("substructure"), py::arg("steps"), py::arg("inputs"), py::arg("arguments"),
+             py::arg("progress") = py::none(), "Those of an estimation with a prediction: see kalfem.predict.");
 }
 
 }  // namespace kalfem::python

@@ -12,12 +12,14 @@ PYBIND11_MODULE(_core, module) {
   bind_laws(module);
   bind_finite_elements(module);
   bind_structure(module);
+  bind_statics(module);
   bind_simulate(module);
   bind_estimate(module);
   bind_filter(module);
   bind_infer(module);
   bind_place(module);
   bind_update(module);
+  bind_validate(module);
   bind_vibration(module);
   bind_formats(module);
   bind_likelihood(module);

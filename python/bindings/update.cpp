@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calls.hpp"
+#include "records.hpp"
 #include "results.hpp"
 #include "sensors.hpp"
+#include "structure.hpp"
 
 namespace kalfem::python {
 namespace {
@@ -74,6 +76,140 @@ std::vector<MeasuredFrequency> frequencies_of(const py::object& frequencies, con
   return all;
 }
 
+/// Reads the descriptions of python/kalfem/comparing.py. Records give their inputs to the structure.
+class ComparisonReader {
+public:
+  explicit ComparisonReader(Structure& structure) : structure_(structure) {}
+
+  UpdateComparison read(const std::string& name, const py::dict& given) {
+    place_ = entry_of("compare", name) + ".";
+    UpdateComparison comparison{.name = name, .what = {}, .weight = number_of(given["weight"], "", place_ + "weight")};
+    const auto kind = given["kind"].cast<std::string>();
+    if (kind == "modes")
+      comparison.what = modes(given);
+    else if (kind == "responses")
+      comparison.what = responses(given);
+    else if (kind == "deflections")
+      comparison.what = deflections(given);
+    else
+      comparison.what = record(given);
+    return comparison;
+  }
+
+private:
+  static bool is_given(const py::handle& value) { return !value.is_none(); }
+
+  MeasuredModes modes(const py::dict& given) const {
+    MeasuredModes all{.substructure = given["substructure"].cast<std::string>(),
+                      .frequencies = frequencies_of(given["frequencies"], given["std"], given["modes"]),
+                      .above = number_of(given["above"], "Hz", place_ + "above"),
+                      .points = strings(given["points"])};
+    all.shape_std = number_of(given["shape_std"], "", place_ + "shape_std");
+    if (is_given(given["shapes"])) all.shapes = matrix(given["shapes"], "shapes");
+    return all;
+  }
+
+  MeasuredResponses responses(const py::dict& given) const {
+    MeasuredResponses all{.input = given["input"].cast<std::string>(),
+                          .outputs = {},
+                          .frequencies = vector_of(given["frequencies"], place_ + "frequencies"),
+                          .values = {}};
+    all.relative_std = number_of(given["relative_std"], "", place_ + "relative_std");
+    all.smoothing = number_of(given["smoothing"], "Hz", place_ + "smoothing");
+    const auto outputs = outputs_of(py::dict(given["outputs"]));
+    const Eigen::Index lines = all.frequencies.size();
+    all.values.resize(lines, std::ssize(outputs));
+    if (is_given(given["std"])) all.std.resize(lines, std::ssize(outputs));
+    for (Eigen::Index column = 0; const auto& [name, output] : outputs) {
+      all.outputs.push_back(output);
+      all.values.col(column) = column_of<std::complex<double>>(given["values"], "values", name, lines);
+      if (is_given(given["std"])) all.std.col(column) = column_of<double>(given["std"], "std", name, lines);
+      ++column;
+    }
+    return all;
+  }
+
+  MeasuredDeflections deflections(const py::dict& given) const {
+    MeasuredDeflections all{.forces = {}, .displacements = {}, .std = number_of(given["std"], "m", place_ + "std")};
+    for (const auto& [point, value] : py::dict(given["forces"]))
+      all.forces.emplace_back(point.cast<std::string>(), number_of(value, "N", place_ + "forces"));
+    for (const auto& [point, value] : py::dict(given["displacements"]))
+      all.displacements.emplace_back(point.cast<std::string>(), number_of(value, "m", place_ + "displacements"));
+    return all;
+  }
+
+  MeasuredRecord record(const py::dict& given) {
+    const auto sensors = py::dict(given["sensors"]);
+    MeasuredRecord all{.record = {}, .sensors = sensors_of(sensors)};
+    all.settle = number_of(given["settle"], "s", place_ + "settle");
+    all.substeps = given["substeps"].cast<int>();
+    std::vector<std::string> names;
+    for (const auto& sensor : all.sensors) names.push_back(sensor.name);
+    const TimeGrid grid = grid_of(given["t"]);
+    all.record = record_of(grid, given["y"], names);
+    set_relative_noise(sensors, all.record, all.sensors);
+    const auto inputs = py::dict(given["inputs"]);
+    for (const auto& [input, values] : inputs)
+      if (const auto name = input.cast<std::string>(); std::ranges::find(driven_, name) != driven_.end())
+        throw InvalidInput("inputs: another record gives '" + name + "' its samples", "an input has one course",
+                           "compare with one record, or give both the same time");
+      else
+        driven_.push_back(name);
+    structure_ = driven(structure_, inputs, grid.start, grid.sample_rate, grid.samples);
+    return all;
+  }
+
+  static std::vector<std::string> strings(const py::handle& given) {
+    std::vector<std::string> all;
+    for (const auto& each : given) all.push_back(each.cast<std::string>());
+    return all;
+  }
+
+  [[nodiscard]] Eigen::MatrixXd matrix(const py::handle& given, const std::string& argument) const {
+    const auto values = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(
+        py::reinterpret_borrow<py::object>(given));
+    if (!values) PyErr_Clear();
+    if (!values || values.ndim() != 2)
+      throw InvalidInput(argument + ": no matrix of numbers", "each mode is a column",
+                         "give an array of shape (points, frequencies)");
+    return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+        values.data(), values.shape(0), values.shape(1));
+  }
+
+  template <class Number>
+  [[nodiscard]] Eigen::Matrix<Number, Eigen::Dynamic, 1> column_of(const py::handle& given, const std::string& argument,
+                                                                   const std::string& name, Eigen::Index lines) const {
+    const auto all = py::reinterpret_borrow<py::object>(given);
+    const std::string place = argument + "['" + name + "']";
+    if (!all.contains(name)) throw InvalidInput(place + " is missing", "each output has its response", "");
+    const auto values = py::array_t<Number, py::array::c_style | py::array::forcecast>::ensure(all[py::str(name)]);
+    if (!values) PyErr_Clear();
+    if (!values || values.ndim() != 1 || values.shape(0) != lines)
+      throw InvalidInput(place + ": no array of " + std::to_string(lines) + " numbers", "each line has a value",
+                         "give an array of shape (frequencies,)");
+    return Eigen::Map<const Eigen::Matrix<Number, Eigen::Dynamic, 1>>(values.data(), lines);
+  }
+
+  Structure& structure_;
+  std::string place_;
+  std::vector<std::string> driven_;  ///< inputs that records gave their samples
+};
+
+/// The comparisons; `structure` gets the inputs of their records.
+std::vector<UpdateComparison> comparisons_of(const py::dict& given, Structure& structure) {
+  std::vector<UpdateComparison> all;
+  ComparisonReader reader(structure);
+  IssueList issues;
+  for (const auto& [name, each] : given) try {
+      all.push_back(reader.read(name.cast<std::string>(), each.cast<py::dict>()));
+    } catch (const InvalidInput& error) {
+      for (const auto& issue : error.issues())
+        issues.add({}, entry_of("compare", name.cast<std::string>()) + ": " + issue.what, issue.why, issue.fix);
+    }
+  issues.raise();
+  return all;
+}
+
 py::dict summary_of(const UpdateResult& result) {
   py::dict summary, parameters, updating;
   for (const auto& each : result.parameters) {
@@ -90,6 +226,15 @@ py::dict summary_of(const UpdateResult& result) {
   updating["parameters"] = parameters;
   updating["converged"] = result.converged;
   updating["termination"] = result.reason;
+  py::dict comparisons;
+  for (const auto& [name, size, rms_before, rms_after] : result.comparisons) {
+    py::dict entry;
+    entry["size"] = size;
+    entry["rms_initial"] = number(rms_before);
+    entry["rms_final"] = number(rms_after);
+    comparisons[py::str(name)] = entry;
+  }
+  updating["comparisons"] = comparisons;
   summary["title"] = "update";
   summary["status"] = result.usable() ? "ok" : "unusable";
   summary["message"] = result.usable() || reasons.empty() ? "" : sentence_of(reasons.front());
@@ -100,13 +245,15 @@ py::dict summary_of(const UpdateResult& result) {
 
 py::tuple update_structure(const Structure& structure, const std::string& substructure, const py::object& frequencies,
                            const py::object& std, const py::object& modes, const py::object& parameters, double above,
-                           int max_evaluations, const py::object& progress) {
+                           const py::dict& compare, int max_evaluations, const py::object& progress) {
+  Structure moved = structure;
   const UpdateOptions options{.substructure = substructure,
                               .frequencies = frequencies_of(frequencies, std, modes),
                               .parameters = parameters_of(structure, parameters),
                               .above = above,
+                              .comparisons = comparisons_of(compare, moved),
                               .max_evaluations = max_evaluations};
-  const auto result = long_call(structure, progress, [&](const Progress&) { return update(structure, options); });
+  const auto result = long_call(structure, progress, [&](const Progress&) { return update(moved, options); });
   Eigen::VectorXd measured(std::ssize(result.frequencies)), before = measured, after = measured;
   for (Eigen::Index i = 0; i < measured.size(); ++i) {
     const auto& each = result.frequencies[static_cast<std::size_t>(i)];
@@ -125,8 +272,9 @@ py::tuple update_structure(const Structure& structure, const std::string& substr
 
 void bind_update(py::module_& module) {
   module.def("update", &update_structure, py::arg("structure"), py::arg("substructure"), py::arg("frequencies"),
-             py::arg("std"), py::arg("modes"), py::arg("parameters"), py::arg("above"), py::arg("max_evaluations"),
-             py::arg("progress") = py::none(), "Summary and datasets of an updating: see kalfem.update.");
+             py::arg("std"), py::arg("modes"), py::arg("parameters"), py::arg("above"), py::arg("compare"),
+             py::arg("max_evaluations"), py::arg("progress") = py::none(),
+             "Summary and datasets of an updating: see kalfem.update.");
 }
 
 }  // namespace kalfem::python

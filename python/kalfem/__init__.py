@@ -44,8 +44,12 @@ _NAMES = {
     "analysis": ("estimate", "simulate", "update"),
     "inferring": ("infer", "compare", "ComparedStructure"),
     "posterior": ("Posterior",),
+    "analysis": ("estimate", "predict", "simulate", "update"),
+    "comparing": ("MeasuredModes", "MeasuredResponses", "MeasuredDeflections", "MeasuredRecord"),
     "placing": ("place", "Placement", "SensorSet"),
-    "vibration": ("modes", "frf", "mac", "Modes"),
+    "validating": ("validate", "Validation", "SensorValidation"),
+    "loading": ("statics", "Statics", "StaticCase"),
+    "vibration": ("modes", "frf", "frequency_responses", "mac", "Modes", "FrequencyResponses", "FrequencyResponse"),
     "live": ("Filter", "Estimate"),
     "law_library": ("laws",),
     "running": ("run",),
@@ -107,7 +111,13 @@ if TYPE_CHECKING:
         strain as strain,
         velocity as velocity,
     )
-    from .analysis import estimate as estimate, simulate as simulate, update as update
+    from .analysis import estimate as estimate, predict as predict, simulate as simulate, update as update
+    from .comparing import (
+        MeasuredDeflections as MeasuredDeflections,
+        MeasuredModes as MeasuredModes,
+        MeasuredRecord as MeasuredRecord,
+        MeasuredResponses as MeasuredResponses,
+    )
     from .ensemble import Ensemble as Ensemble, Failure as Failure, map as map
     from .errors import (
         InvalidInput as InvalidInput,
@@ -119,6 +129,7 @@ if TYPE_CHECKING:
     from .law_library import laws as laws
     from .likelihood import Likelihood as Likelihood
     from .live import Estimate as Estimate, Filter as Filter
+    from .loading import StaticCase as StaticCase, Statics as Statics, statics as statics
     from .mesh import mesh_of as mesh_of, read_mesh as read_mesh
     from .placing import Placement as Placement, SensorSet as SensorSet, place as place
     from .posterior import Posterior as Posterior
@@ -127,4 +138,13 @@ if TYPE_CHECKING:
     from .running import run as run
     from .series import TimeSeries as TimeSeries
     from .sweeping import Sweep as Sweep, sweep as sweep
-    from .vibration import Modes as Modes, frf as frf, mac as mac, modes as modes
+    from .validating import SensorValidation as SensorValidation, Validation as Validation, validate as validate
+    from .vibration import (
+        FrequencyResponse as FrequencyResponse,
+        FrequencyResponses as FrequencyResponses,
+        Modes as Modes,
+        frequency_responses as frequency_responses,
+        frf as frf,
+        mac as mac,
+        modes as modes,
+    )

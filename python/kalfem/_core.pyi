@@ -267,6 +267,16 @@ def simulate(
     tolerance: float,
     progress: _Progress = None,
 ) -> tuple[_Datasets, str]: ...
+def predict(
+    structure: Structure,
+    t: ArrayLike,
+    y: Any,
+    substructure: str,
+    steps: int,
+    inputs: dict[str, ArrayLike],
+    arguments: dict[str, Any],
+    progress: _Progress = None,
+) -> tuple[dict[str, Any], _Datasets]: ...
 def place(
     structure: Structure,
     t: ArrayLike,
@@ -294,6 +304,7 @@ def compare(
     question: dict[str, Any],
     progress: _Progress = None,
 ) -> list[dict[str, Any]]: ...
+def statics(elements: FiniteElements, cases: dict[str, Any]) -> tuple[dict[str, Any], list[str]]: ...
 def update(
     structure: Structure,
     substructure: str,
@@ -302,8 +313,19 @@ def update(
     modes: Sequence[int | None] | None,
     parameters: Mapping[str, Any] | Sequence[str],
     above: float,
+    compare: dict[str, dict[str, Any]],
     max_evaluations: int,
     progress: _Progress = None,
+) -> tuple[dict[str, Any], _Datasets]: ...
+def validate(
+    structure: Structure,
+    t: ArrayLike,
+    y: Any,
+    inputs: dict[str, ArrayLike],
+    values: dict[str, float | str],
+    lead_in: float | None,
+    from_rest: bool,
+    arguments: dict[str, Any],
 ) -> tuple[dict[str, Any], _Datasets]: ...
 def modes(
     structure: Structure, count: int, substructure: str | None
@@ -311,6 +333,15 @@ def modes(
 def frf(
     structure: Structure, frequencies: ArrayLike, input: str, outputs: dict[str, Sensor]
 ) -> NDArray[np.complex128]: ...
+def frequency_responses(
+    structure: Structure,
+    frequencies: ArrayLike,
+    inputs: Sequence[str],
+    outputs: dict[str, Sensor],
+    model: str,
+    method: str,
+    progress: _Progress = None,
+) -> dict[str, Any]: ...
 def mac(a: ArrayLike, b: ArrayLike) -> NDArray[np.float64]: ...
 def laws() -> list[tuple[str, str, str, dict[str, tuple[str, str]]]]: ...
 def read(file: str, large: bool = False) -> dict[str, Any]: ...

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is done with a structure: simulate, estimate, update."""
+"""What is done with a structure: simulate, estimate, predict, update."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .comparing import described
 from .compiled import core
 from .errors import InvalidInput, Issue
 from .progress import reporter
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from ._core import Sensor, Structure
+    from .comparing import MeasuredDeflections, MeasuredModes, MeasuredRecord, MeasuredResponses
 
     Progress = bool | Callable[[float, str], None]
 
@@ -129,26 +131,113 @@ def estimate(
     >>> abs(k.value - 2000) < 4 * k.std
     True
     """
-    arguments = {
+    arguments = _arguments(
+        sensors,
+        unknown,
+        outputs,
+        filter=filter,
+        initial_state=dict(initial_state or {}),
+        process_noise=process_noise,
+        substeps=substeps,
+        step_order=step_order,
+        threads=threads,
+        initial_state_from_record=initial_state_from_record,
+        estimate_initial_state=estimate_initial_state,
+        passes=passes,
+        settle=settle,
+        diagnose=diagnose,
+        second_thoughts=second_thoughts,
+        known_to=dict(known_to or {}),
+    )
+    with reporter(progress) as bar:
+        summary, datasets = core.estimate(structure, t, y, dict(inputs or {}), arguments, bar)
+    return Run.from_memory(summary, datasets)
+
+
+def _arguments(sensors, unknown, outputs, **settings):
+    """Those of an estimation, as the compiled module takes them."""
+    return {
         "sensors": dict(sensors),
         "unknown": {} if unknown is None else dict(unknown) if isinstance(unknown, Mapping) else list(unknown),
         "outputs": dict(outputs or {}),
-        "filter": filter,
-        "initial_state": dict(initial_state or {}),
-        "process_noise": process_noise,
-        "substeps": substeps,
-        "step_order": step_order,
-        "threads": threads,
-        "initial_state_from_record": initial_state_from_record,
-        "estimate_initial_state": estimate_initial_state,
-        "passes": passes,
-        "settle": settle,
-        "diagnose": diagnose,
-        "second_thoughts": second_thoughts,
-        "known_to": dict(known_to or {}),
+        **settings,
     }
+
+
+def predict(
+    structure: Structure,
+    t: ArrayLike,
+    y: Any,
+    substructure: str,
+    *,
+    sensors: Mapping[str, Sensor],
+    inputs: Mapping[str, ArrayLike] | None = None,
+    unknown: Mapping[str, Any] | Iterable[str] | None = None,
+    outputs: Mapping[str, Sensor] | None = None,
+    filter: str = "auto",
+    initial_state: Mapping[str, Mapping[str, Any]] | None = None,
+    process_noise: float | str = 0.0,
+    substeps: int | None = None,
+    threads: int = 0,
+    diagnose: bool = True,
+    steps: int = 2,
+    progress: Progress = True,
+) -> Run:
+    """Estimate, then drive one linear substructure by the estimated motion of its boundary.
+
+    The boundary is what its reduction keeps, or what connectors touch. The inner motion follows the substructure's own
+    equations at the estimates: no process noise disturbs it.
+
+    Parameters
+    ----------
+    structure, t, y, sensors, inputs, unknown, outputs, filter, initial_state, process_noise, substeps, threads, diagnose
+        As in :func:`estimate`.
+    substructure : str
+        To drive.
+    steps : int
+        Of a large substructure, steps per sample.
+
+    Returns
+    -------
+    Run
+        That of :func:`estimate`, and ``run["prediction/body.3/displacement"]``, ``acceleration`` of every point of the
+        substructure, ``strain`` of its gauges.
+
+    Raises
+    ------
+    InvalidInput
+        With every argument that is wrong, and where the substructure cannot be driven.
+
+    Examples
+    --------
+    >>> import numpy as np, kalfem as kf
+    >>> s = kf.Structure()
+    >>> _ = s.add(kf.chain("c", 3, mass=1.0, stiffness=1e4, damping=2.0))
+    >>> _ = s.connect("mount", "c.1", "ground", law="linear", parameters=dict(k=1e4, c=2.0))
+    >>> _ = s.force("hammer", "c.1")
+    >>> t = np.arange(400) / 200
+    >>> f = 10 * np.sin(2 * np.pi * (1 + 5 * t) * t)
+    >>> sensors = {"a1": kf.acceleration("c.1", noise=0.02)}
+    >>> record = kf.simulate(s, t, sensors={**sensors, "a3": kf.acceleration("c.3")}, inputs={"hammer": f}, seed=1,
+    ...                      progress=False)
+    >>> run = kf.predict(s, t, record, "c", sensors=sensors, inputs={"hammer": f}, progress=False)
+    >>> error = run["prediction/c.3/acceleration"] - record["a3"]
+    >>> bool(np.linalg.norm(error) < 0.05 * np.linalg.norm(record["a3"]))
+    True
+    """
+    arguments = _arguments(
+        sensors,
+        unknown,
+        outputs,
+        filter=filter,
+        initial_state=dict(initial_state or {}),
+        process_noise=process_noise,
+        substeps=substeps,
+        threads=threads,
+        diagnose=diagnose,
+    )
     with reporter(progress) as bar:
-        summary, datasets = core.estimate(structure, t, y, dict(inputs or {}), arguments, bar)
+        summary, datasets = core.predict(structure, t, y, substructure, steps, dict(inputs or {}), arguments, bar)
     return Run.from_memory(summary, datasets)
 
 
@@ -207,30 +296,33 @@ def _extent(t, duration, sample_rate):
 
 def update(
     structure: Structure,
-    substructure: str,
-    frequencies: ArrayLike,
-    std: float | ArrayLike,
-    parameters: Mapping[str, Any] | Sequence[str],
+    substructure: str = "",
+    frequencies: ArrayLike = (),
+    std: float | ArrayLike = 0.0,
+    parameters: Mapping[str, Any] | Sequence[str] = (),
     *,
+    compare: Mapping[str, MeasuredModes | MeasuredResponses | MeasuredDeflections | MeasuredRecord] | None = None,
     modes: Sequence[int | None] | None = None,
     above: float = 0.0,
     max_evaluations: int = 100,
     progress: Progress = True,
 ) -> Run:
-    """Refine parameters of a substructure by its measured natural frequencies.
+    """Refine parameters of linear substructures by what was measured.
 
     Parameters
     ----------
     structure : Structure
     substructure : str
-        Whose modes were measured.
+        Whose natural frequencies were measured.
     frequencies : array, shape (n,)
-        [Hz].
+        [Hz]. If none are given, `compare` has the measurements.
     std : float or array of shape (n,)
         Their standard deviations [Hz].
     parameters : dict of str to range, or list of str
         ``{"frame.steel.youngs_modulus": (200e9, 20e9)}``: start and standard deviation of the prior [SI]; or the start
         alone; or a dictionary with ``initial``, ``std``, ``lower`` and ``upper``; or None for the structure's own value.
+    compare : dict of str to MeasuredModes, MeasuredResponses, MeasuredDeflections or MeasuredRecord
+        Further measurements by names of your choice.
     modes : list of int or None, optional
         Number of the model's mode for each frequency, from 1; by order if it is not given.
     above : float
@@ -241,7 +333,9 @@ def update(
     Returns
     -------
     Run
-        ``run.parameters``, ``run.verdict``, ``run["updating/frequencies/after"]`` beside ``measured`` and ``before``.
+        ``run.parameters``, ``run.verdict``, ``run["updating/frequencies/after"]`` beside ``measured`` and ``before``;
+        ``run.summary["updating"]["comparisons"]`` has the size and the rms of each before and after, in standard
+        deviations.
 
     Examples
     --------
@@ -251,12 +345,16 @@ def update(
     >>> run = kf.update(s, "m", [6.0], 0.01, ["m.k.stiffness"])
     >>> round(run.parameters["m.k.stiffness"].value, 1)
     2842.4
+    >>> tested = kf.MeasuredDeflections({"m.1": 10.0}, {"m.1": "4 mm"}, std="0.01 mm")
+    >>> round(kf.update(s, parameters=["m.k.stiffness"], compare={"pull": tested}).parameters["m.k.stiffness"].value, 1)
+    2500.0
     """
     values = dict(parameters) if isinstance(parameters, Mapping) else list(parameters)
     numbers = None if modes is None else list(modes)
     spread = float(std) if np.ndim(std) == 0 else std
     with reporter(progress) as bar:
+        given = described(compare or {})
         summary, datasets = core.update(
-            structure, substructure, frequencies, spread, numbers, values, above, max_evaluations, bar
+            structure, substructure, frequencies, spread, numbers, values, above, given, max_evaluations, bar
         )
     return Run.from_memory(summary, datasets)

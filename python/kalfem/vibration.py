@@ -3,19 +3,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from .compiled import core
 from .errors import unknown_name
+from .progress import reporter
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from ._core import Sensor, Structure
+    from .analysis import Progress
 
 
 @dataclass(frozen=True)
@@ -91,6 +93,135 @@ def frf(structure: Structure, frequencies: ArrayLike, input: str, outputs: Mappi
     """
     values = core.frf(structure, frequencies, input, dict(outputs))
     return {name: values[:, i] for i, name in enumerate(outputs)}
+
+
+class Peak(NamedTuple):
+    """A resonance in the magnitude of a frequency response."""
+
+    frequency: float  #: natural frequency [Hz], of one pole fitted to the lines around it
+    damping: float | None  #: ratio to critical; None where the lines around it do not show it
+    magnitude: float  #: of its highest line
+
+
+class Difference(NamedTuple):
+    """How far the reduced model's H_r is from the full model's H."""
+
+    at_resonances: float | None  #: largest abs(H_r - H) / abs(H at the peak); None without peaks
+    between: float | None  #: largest abs(H_r - H) / abs(H) on all other lines
+    between_at: float  #: where that is [Hz]
+
+
+@dataclass(frozen=True)
+class FrequencyResponse:
+    """One response: a motion or strain per newton, or per metre of the ground."""
+
+    unit: str
+    full: np.ndarray | None  #: H of the full model, complex, shape (lines,); None if it was not asked for
+    reduced: np.ndarray | None  #: the same of the reduced model
+    peaks: list[Peak]  #: of the full model where it was asked for, ascending
+    difference: Difference | None  #: if both models were asked for
+
+    @property
+    def values(self) -> np.ndarray:
+        """H of the full model, or of the reduced one where that alone was asked for."""
+        return self.reduced if self.full is None else self.full
+
+    def __repr__(self):
+        peaks = ", ".join(f"{peak.frequency:.4g}" for peak in self.peaks)
+        return f"FrequencyResponse [{self.unit}], " + (f"peaks at {peaks} Hz" if peaks else "no peak")
+
+
+class FrequencyResponses(Mapping[tuple[str, str], FrequencyResponse]):
+    """Responses by input and output: ``responses["hammer", "a3"]``.
+
+    Attributes
+    ----------
+    frequencies : array, shape (lines,)
+        [Hz].
+    warnings : list of str
+        Reduced models that hold no modes at the highest lines.
+    """
+
+    def __init__(self, frequencies, responses, warnings):
+        self.frequencies, self._responses, self.warnings = frequencies, dict(responses), list(warnings)
+
+    def __getitem__(self, key: tuple[str, str]) -> FrequencyResponse:
+        if key not in self._responses:
+            raise unknown_name("response", key, map(str, self._responses))
+        return self._responses[key]
+
+    def __iter__(self):
+        return iter(self._responses)
+
+    def __len__(self):
+        return len(self._responses)
+
+    def __repr__(self):
+        lines = [f"{output} per {input}: {each}" for (input, output), each in self.items()]
+        return "\n".join(lines)
+
+
+def frequency_responses(
+    structure: Structure,
+    frequencies: ArrayLike,
+    inputs: Sequence[str],
+    outputs: Mapping[str, Sensor],
+    *,
+    model: str = "full",
+    method: str = "modal",
+    progress: Progress = True,
+) -> FrequencyResponses:
+    """Frequency responses with their peaks, of finite elements at full order, reduced, or both.
+
+    Parameters
+    ----------
+    structure : Structure
+    frequencies : array, shape (n,)
+        Ascending [Hz].
+    inputs : list of str
+        Forces or moved grounds of the structure by their names, or points at which unit forces act.
+    outputs : dict of str to Sensor
+        ``{"a3": kf.acceleration("body.3")}``.
+    model : str
+        Of the finite elements: ``full``, ``reduced`` as their ``reduce()`` says, or ``both`` and how far they are apart.
+    method : str
+        ``modal``: a basis of modes and residual vectors for all lines; ``direct``: one factorisation a line.
+
+    Returns
+    -------
+    FrequencyResponses
+        ``responses["hammer", "a3"].values``, ``.peaks``, ``.difference``.
+
+    Raises
+    ------
+    InvalidInput
+        With every argument that is wrong, and at lines where an undamped mode resonates.
+
+    Examples
+    --------
+    >>> import numpy as np, kalfem as kf
+    >>> s = kf.Structure()
+    >>> _ = s.add(kf.lumped("m").mass("1", 2.0).spring("k", "ground", "1", 2e3, 4.0))
+    >>> found = kf.frequency_responses(s, np.linspace(1, 10, 181), ["m.1"], {"x": kf.displacement("m.1")}, progress=False)
+    >>> found
+    x per m.1: FrequencyResponse [m/N], peaks at 5.028 Hz
+    >>> round(found["m.1", "x"].peaks[0].damping, 4)
+    0.0317
+    """
+    with reporter(progress) as bar:
+        found = core.frequency_responses(structure, frequencies, list(inputs), dict(outputs), model, method, bar)
+    names = [(input, output) for input in inputs for output in outputs]
+    responses = [
+        FrequencyResponse(
+            unit=each["unit"],
+            full=each["full"],
+            reduced=each["reduced"],
+            peaks=[Peak(*peak) for peak in each["peaks"]],
+            difference=None if each["difference"] is None else Difference(*each["difference"]),
+        )
+        for each in found["responses"]
+    ]
+    return FrequencyResponses(found["frequencies"], zip(names, responses), found["warnings"])
 
 
 def mac(a: ArrayLike, b: ArrayLike) -> np.ndarray:

@@ -97,8 +97,8 @@ void models() {
 
 void methods() {
   const auto modal = lumped({{"method", "modal"}}), direct = lumped({{"method", "direct"}});
-  EXPECT_EQ(modal.frequency_response->method, description::ResponseMethod::modal);
-  EXPECT_EQ(direct.frequency_response->method, description::ResponseMethod::direct);
+  EXPECT_EQ(modal.frequency_response->method, ResponseMethod::modal);
+  EXPECT_EQ(direct.frequency_response->method, ResponseMethod::direct);
   const auto a = outcome_of(modal).responses[0].full, b = outcome_of(direct).responses[0].full;
   EXPECT_LT((a - b).norm(), many_roundings * b.norm());
 }

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "kalfem/steps/frequency_response/compute.hpp"
-#include "kalfem/steps/frequency_response/outcome.hpp"
+#include "kalfem/vibration/frequency_responses.hpp"
 
 namespace kalfem {
 namespace {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "kalfem/api/filter_problem.hpp"
+#include "kalfem/api/sensor_record.hpp"
 #include "kalfem/api/structure_description.hpp"
 #include "kalfem/diagnosis/judge_estimation.hpp"
 #include "kalfem/diagnosis/look_for_cause.hpp"

@@ -22,4 +22,7 @@ void set_number(FiniteElements& substructure, const std::string& number, double 
 /// Assembles the substructure and reduces it where it was told to. Throws InvalidInput with its name.
 FiniteElementSubstructure make_substructure(const FiniteElements& given, const ElementsInUse& use);
 
+/// The substructure assembled at full order. Throws InvalidInput with its name.
+FiniteElementPart make_full_part(const FiniteElements& given);
+
 }  // namespace kalfem

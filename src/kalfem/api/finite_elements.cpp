@@ -263,8 +263,10 @@ Superelement reduce(const FiniteElements& elements) {
   return *substructure.reduced;
 }
 
+FiniteElementPart make_full_part(const FiniteElements& given) { return PartBuilder(given, {}).build(); }
+
 Eigen::VectorXd natural_frequencies(const FiniteElements& elements, Index count) {
-  const FiniteElementPart part = PartBuilder(elements, {}).build();
+  const FiniteElementPart part = make_full_part(elements);
   return lowest_normal_modes(part.full, {count}, part.factor.get()).frequencies;
 }
 

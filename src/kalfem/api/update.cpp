@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "kalfem/api/structure_description.hpp"
+#include "kalfem/api/update_comparisons.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/diagnosis/judge_updating.hpp"
 #include "kalfem/identification/parameterised_structure.hpp"
@@ -28,14 +29,17 @@ struct Refined {
 };
 
 /// Throws InvalidInput if it cannot be updated.
-Parameter parameter_of(const RefinedParameter& given, const ParameterSet& all, const std::string& substructure) {
+Parameter parameter_of(const RefinedParameter& given, const ParameterSet& all, const UpdateOptions& options) {
   auto parameter = all.find(given.name);
   if (!parameter)
     throw InvalidInput("there is no parameter '" + given.name + "'" + did_you_mean(given.name, all.names()),
                        "it must be a number of the substructure", "Structure::parameters() lists them");
-  if (parameter->of_connector() || parameter->owner != substructure)
-    throw InvalidInput("the modes of '" + substructure + "' do not depend on it",
+  if (options.comparisons.empty() && (parameter->of_connector() || parameter->owner != options.substructure))
+    throw InvalidInput("the modes of '" + options.substructure + "' do not depend on it",
                        "only numbers of the substructure that was measured are refined", "remove it");
+  if (parameter->of_connector())
+    throw InvalidInput("it is a number of a connector", "updating refines numbers of linear substructures",
+                       "estimate() finds those of connectors");
   return *parameter;
 }
 
@@ -53,7 +57,7 @@ Refined refined(const StructureModel& structure, const UpdateOptions& options) {
   IssueList issues;
   for (std::size_t i = 0; i < options.parameters.size(); ++i) try {
       const auto& given = options.parameters[i];
-      const Parameter parameter = parameter_of(given, all, options.substructure);
+      const Parameter parameter = parameter_of(given, all, options);
       made.parameters.push_back(start_of(given, parameter));
       made.bindings.push_back({static_cast<Index>(i), parameter});
     } catch (const InvalidInput& error) {
@@ -66,41 +70,97 @@ Refined refined(const StructureModel& structure, const UpdateOptions& options) {
   return made;
 }
 
-std::vector<MeasuredMode> measured_modes(const std::vector<MeasuredFrequency>& given) {
-  std::vector<MeasuredMode> modes;
-  IssueList issues;
-  for (std::size_t i = 0; i < given.size(); ++i) {
-    const auto& [frequency, std, mode] = given[i];
-    if (!(frequency > 0.0) || !(std > 0.0))
-      issues.add({},
-                 "frequencies[" + std::to_string(i) + "]: " + shortest(frequency) +
-                     " Hz with a standard deviation of " + shortest(std) + " Hz",
-                 "both must be > 0", "");
-    modes.push_back({.frequency = frequency, .deviation = std, .model_mode = mode});
-  }
-  if (given.empty()) issues.add({}, "frequencies: the list is empty", "there is nothing to compare with", "");
-  issues.raise();
-  return modes;
-}
-
 std::vector<std::string> names_of_parameters(const UpdateOptions& options) {
   std::vector<std::string> names;
   for (const auto& parameter : options.parameters) names.push_back(parameter.name);
   return names;
 }
 
+double rms_of(const VectorXd& values) {
+  return std::sqrt(values.squaredNorm() / static_cast<double>(std::max<Index>(1, values.size())));
+}
+
+/// Rows of each comparison in the weighted sum.
+std::vector<ResidualBlock> blocks_of(const std::vector<MadeComparison>& comparisons) {
+  std::vector<ResidualBlock> blocks;
+  Index first = 0;
+  for (const auto& each : comparisons) {
+    const auto& residual = *each.continuation.back();
+    blocks.push_back({each.name, first, residual.size(), residual.layout()});
+    first += residual.size();
+  }
+  return blocks;
+}
+
+ResidualSum sum_of(const std::vector<MadeComparison>& comparisons, std::size_t step) {
+  std::vector<ResidualSum::Term> terms;
+  for (const auto& each : comparisons)
+    terms.push_back({each.continuation[std::min(step, each.continuation.size() - 1)], each.weight});
+  return ResidualSum(std::move(terms));
+}
+
+/// From wide to no smoothing, each search from the end of the one before.
+LeastSquaresOutcome search(const std::vector<MadeComparison>& comparisons,
+                           const std::vector<UpdatingParameter>& parameters, int max_evaluations) {
+  std::size_t steps = 1;
+  for (const auto& each : comparisons) steps = std::max(steps, each.continuation.size());
+  LeastSquaresOptions options{.search = {.max_evaluations = max_evaluations, .cost_floor = 1e-6},
+                              .start = initial_values(parameters)};
+  for (std::size_t step = 0; step + 1 < steps; ++step)
+    options.start = minimise(sum_of(comparisons, step), parameters, options).parameters;
+  return minimise(sum_of(comparisons, steps - 1), parameters, options);
+}
+
+/// The residual at the initial values. Throws InvalidInput where there is none, and with every parameter that no
+/// comparison depends on.
+VectorXd first_values(const ResidualSum& residual, const std::vector<UpdatingParameter>& parameters) {
+  const auto first = residual.evaluate(initial_values(parameters), true);
+  if (!first)
+    throw InvalidInput("parameters: the model has no response at the initial values",
+                       "the updating starts from these values", "change the initial values");
+  IssueList issues;
+  for (const auto& name : without_effect(parameters, first->jacobian))
+    issues.add({}, "parameters: no comparison depends on '" + name + "'",
+               "a measurement must depend on a parameter to identify it",
+               "remove it, or compare with a measurement that depends on it");
+  issues.raise();
+  return first->values;
+}
+
+/// Rms of each comparison, without its weight, and the frequencies of its modes.
+std::vector<EndOfComparison> compare(const std::vector<MadeComparison>& comparisons, const VectorXd& start,
+                                     const VectorXd& before, const VectorXd& end, const VectorXd& after,
+                                     UpdateResult& result) {
+  std::vector<EndOfComparison> ends;
+  Index row = 0;
+  for (const auto& each : comparisons) {
+    const Index size = each.continuation.back()->size();
+    const auto rms = [&](const VectorXd& all) { return rms_of(all.segment(row, size)) / std::sqrt(each.weight); };
+    result.comparisons.push_back({each.name, size, rms(before), rms(after)});
+    ends.push_back({.name = each.name, .size = size, .rms = rms(after)});
+    row += size;
+    const auto* modal = dynamic_cast<const ModalResidual*>(each.continuation.back().get());
+    if (!modal) continue;
+    const auto first = modal->compare(start).pairs;
+    ends.back().modes = modal->compare(end).pairs;
+    for (std::size_t i = 0; i < first.size(); ++i)
+      result.frequencies.push_back(
+          {first[i].measured_frequency, first[i].model_frequency, ends.back().modes[i].model_frequency});
+  }
+  return ends;
+}
+
 /// Both kinds of deviations at the end of a search, and what they say with the residual about the numbers.
-void judge(const ModalResidual& residual, const std::vector<UpdatingParameter>& parameters,
-           const LeastSquaresOutcome& outcome, const std::vector<PairedMode>& pairs, UpdateResult& result) {
+void judge(const std::vector<MadeComparison>& comparisons, const std::vector<UpdatingParameter>& parameters,
+           const LeastSquaresOutcome& outcome, std::vector<EndOfComparison> ends, UpdateResult& result) {
   const auto& value = outcome.residual;
   if (value.jacobian.size() == 0) {
     result.verdict.add({"failed", "", "the updating has no deviations: " + outcome.reason(),
                         "change the initial values or the bounds", VerdictState::unusable, unusable_widening});
     return;
   }
-  const std::string name = "frequencies";
   const auto statistics = parameter_statistics(parameters, outcome.parameters, value);
-  const auto robust = robust_statistics(parameters, value, {{name, 0, residual.size(), residual.layout()}}, statistics);
+  const auto robust = robust_statistics(parameters, value, blocks_of(comparisons), statistics);
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const auto at = static_cast<Index>(i);
     result.parameters[i].std = statistics.deviations[at];
@@ -108,15 +168,13 @@ void judge(const ModalResidual& residual, const std::vector<UpdatingParameter>& 
     if (const auto interval = parameter_interval(parameters[i], at, outcome.parameters[at], statistics, robust))
       result.parameters[i].interval_95 = {interval->lower, interval->upper};
   }
-  const double size = static_cast<double>(residual.size());
-  result.verdict.add(updating_reasons(
-      {.parameters = parameters,
-       .values = outcome.parameters,
-       .statistics = statistics,
-       .robust = robust,
-       .comparisons = {{name, residual.size(), std::sqrt(value.values.squaredNorm() / size), false, pairs}},
-       .converged = outcome.usable(),
-       .termination = outcome.reason()}));
+  result.verdict.add(updating_reasons({.parameters = parameters,
+                                       .values = outcome.parameters,
+                                       .statistics = statistics,
+                                       .robust = robust,
+                                       .comparisons = std::move(ends),
+                                       .converged = outcome.usable(),
+                                       .termination = outcome.reason()}));
 }
 
 }  // namespace
@@ -124,19 +182,14 @@ void judge(const ModalResidual& residual, const std::vector<UpdatingParameter>& 
 UpdateResult update(const Structure& structure, const UpdateOptions& options) {
   const auto model = make_structure_model(structure.description(), {.parameters = names_of_parameters(options)});
   const auto [parameters, bindings] = refined(*model, options);
-  const auto substructure =
-      ParameterisedStructure(model, bindings, std::ssize(parameters)).model_of(options.substructure);
-  if (!substructure)
-    throw InvalidInput("substructure '" + options.substructure + "': there is none of that name", "", "");
+  const auto comparisons = make_comparisons(
+      structure, model, std::make_shared<const ParameterisedStructure>(model, bindings, std::ssize(parameters)),
+      parameters, options);
   const VectorXd start = initial_values(parameters);
-  const ModalResidual residual(substructure, measured_modes(options.frequencies), {}, start, {.above = options.above});
-  const auto outcome =
-      minimise(residual, parameters, {.search = {.max_evaluations = options.max_evaluations, .cost_floor = 1e-6}});
+  const VectorXd first = first_values(sum_of(comparisons, std::numeric_limits<std::size_t>::max()), parameters);
+  const auto outcome = search(comparisons, parameters, options.max_evaluations);
 
   UpdateResult result{.converged = outcome.usable(), .reason = outcome.reason()};
-  const auto before = residual.compare(start).pairs, after = residual.compare(outcome.parameters).pairs;
-  for (std::size_t i = 0; i < before.size(); ++i)
-    result.frequencies.push_back({before[i].measured_frequency, before[i].model_frequency, after[i].model_frequency});
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const auto at = static_cast<Index>(i);
     result.parameters.push_back({.name = parameters[i].name,
@@ -145,7 +198,8 @@ UpdateResult update(const Structure& structure, const UpdateOptions& options) {
                                  .value = outcome.parameters[at],
                                  .std = std::numeric_limits<double>::infinity()});
   }
-  judge(residual, parameters, outcome, after, result);
+  const VectorXd last = outcome.residual.values.size() > 0 ? outcome.residual.values : first;
+  judge(comparisons, parameters, outcome, compare(comparisons, start, first, outcome.parameters, last, result), result);
   return result;
 }
 

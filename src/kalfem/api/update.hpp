@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Dense>
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
+#include "kalfem/api/sensors.hpp"
 #include "kalfem/api/structure.hpp"
 #include "kalfem/verdict/verdict.hpp"
 
@@ -29,17 +33,70 @@ struct RefinedParameter {
   } range = {};
 };
 
-struct UpdateOptions {
-  std::string substructure;  ///< whose modes were measured
+/// Natural frequencies of a substructure without connectors, and mode shapes where they were measured.
+struct MeasuredModes {
+  std::string substructure;
   std::vector<MeasuredFrequency> frequencies;
+  double above = 0.0;                    ///< modes up to this frequency are not elastic ones [Hz]
+  std::vector<std::string> points = {};  ///< of the shapes: "frame.tip.z"
+  Eigen::MatrixXd shapes = {};           ///< points x frequencies, each in any scale and sign; empty: none
+  double shape_std = 0.05;               ///< of a shape's entries, relative to its largest
+};
+
+/// Frequency responses of a substructure without connectors to a force at a point, motions exp(+i 2 pi f t).
+struct MeasuredResponses {
+  std::string input;                       ///< point of the force: "frame.tip.z"
+  std::vector<OutputDescription> outputs;  ///< motions of points of the same substructure
+  Eigen::VectorXd frequencies;             ///< [Hz], ascending
+  Eigen::MatrixXcd values;                 ///< per newton, lines x outputs
+  Eigen::MatrixXd std = {};                ///< of real and of imaginary part; empty: `relative_std` alone
+  double relative_std = 0.05;              ///< of |H|, for calibration and for what the model cannot do
+  /// Largest half width [Hz] to which resonances are widened at first, for a start that is far off: the search follows
+  /// with smaller ones and ends without. See FrfResidual.
+  double smoothing = 0.0;
+};
+
+/// Displacements of a substructure without connectors under static forces.
+struct MeasuredDeflections {
+  std::vector<std::pair<std::string, double>> forces;         ///< {"frame.tip.z", 100} [N]
+  std::vector<std::pair<std::string, double>> displacements;  ///< [m]
+  double std = 0.0;                                           ///< of each displacement [m]
+};
+
+/// A record of some sensors against the simulation of the whole structure from rest under its inputs.
+struct MeasuredRecord {
+  Record record;                           ///< with a channel of the name of each sensor
+  std::vector<SensorDescription> sensors;  ///< with their noise
+  double settle = 0.0;                     ///< time at the start that does not count [s]
+  int substeps = 4;                        ///< of a sample interval, for the connectors' forces
+};
+
+/// A measurement that the structure shall agree with.
+struct UpdateComparison {
+  std::string name;
+  std::variant<MeasuredModes, MeasuredResponses, MeasuredDeflections, MeasuredRecord> what;
+  double weight = 1.0;  ///< factor of its sum of squares
+};
+
+struct UpdateOptions {
+  std::string substructure = {};  ///< whose modes were measured
+  std::vector<MeasuredFrequency> frequencies = {};
   std::vector<RefinedParameter> parameters;
-  double above = 0.0;  ///< modes up to this frequency are not elastic ones [Hz]
+  double above = 0.0;                              ///< modes up to this frequency are not elastic ones [Hz]
+  std::vector<UpdateComparison> comparisons = {};  ///< further ones, or instead of `frequencies`
   int max_evaluations = 100;
 };
 
 /// A measured frequency beside the model's.
 struct FrequencyComparison {
   double measured = 0.0, before = 0.0, after = 0.0;  ///< [Hz]
+};
+
+/// How a comparison fits before and after.
+struct ComparisonFit {
+  std::string name;
+  Eigen::Index size = 0;                     ///< values that are compared
+  double rms_before = 0.0, rms_after = 0.0;  ///< of (model - measured) / std: about 1 where model and std are right
 };
 
 /// Result of an updating.
@@ -57,7 +114,8 @@ struct UpdateResult {
     } interval_95 = {};
   };
   std::vector<Parameter> parameters;
-  std::vector<FrequencyComparison> frequencies;
+  std::vector<FrequencyComparison> frequencies;  ///< of all comparisons of modes, in their order
+  std::vector<ComparisonFit> comparisons;        ///< "frequencies", if given, then those of the options
   bool converged = false;
   std::string reason;  ///< why it ended, in words
   Verdict verdict;     ///< whether the numbers agree with each other and with what was stated about them
@@ -66,10 +124,12 @@ struct UpdateResult {
   [[nodiscard]] bool usable() const { return verdict.state() != VerdictState::unusable; }
 };
 
-/// Refines parameters of a substructure by natural frequencies: minimises
-///     sum ((f_model - f_measured) / std)^2 + sum ((theta - initial) / std)^2
-/// by a bounded Gauss-Newton method with exact derivatives. Throws InvalidInput with every argument that is wrong, by
-/// its place; how the search ended is in the result.
+/// Refines parameters of linear substructures by what was measured: modes, frequency responses, static deflections,
+/// records. Minimises
+///     sum weight ((model - measured) / std)^2 + sum ((theta - initial) / std)^2
+/// by a bounded Gauss-Newton method; derivatives are exact, those of simulated records central differences. It is what
+/// `update` of a case gives. Throws InvalidInput with every argument that is wrong, by its place, and where a parameter
+/// has no effect on any comparison; how the search ended is in the result.
 UpdateResult update(const Structure& structure, const UpdateOptions& options);
 
 }  // namespace kalfem

@@ -11,6 +11,7 @@
 #include "kalfem/model/fixed_model.hpp"
 #include "kalfem/system/linearised.hpp"
 #include "kalfem/updating/frf_model.hpp"
+#include "kalfem/vibration/frequency_responses.hpp"
 
 namespace kalfem {
 
@@ -96,6 +97,46 @@ void require_lines(const VectorXd& frequencies) {
     throw InvalidInput("frequencies: there are none, or one is negative or not finite", "they are in Hz, >= 0", "");
 }
 
+/// Adds the issues of an error, each with the place of its argument.
+void add(const InvalidInput& error, const std::string& place, IssueList& issues) {
+  for (const auto& issue : error.issues()) issues.add({}, place + issue.what, issue.why, issue.fix);
+}
+
+/// One set for each input and output, in the order of the result.
+std::vector<FrfSet> sets_of(const Structure& structure, const FrequencyResponseOptions& options, IssueList& issues) {
+  std::vector<FrfSet> sets;
+  if (options.inputs.empty()) issues.add({}, "inputs: the list is empty", "", "give at least one");
+  if (options.outputs.empty()) issues.add({}, "outputs: the list is empty", "", "give at least one");
+  std::vector<FrfSet> of_outputs;
+  for (std::size_t i = 0; i < options.outputs.size(); ++i) try {
+      const auto& output = options.outputs[i];
+      of_outputs.push_back({.outputs = {point_of(output)}, .quantity = quantity_of(output)});
+    } catch (const InvalidInput& error) {
+      add(error, "outputs[" + std::to_string(i) + "]: ", issues);
+    }
+  for (std::size_t i = 0; i < options.inputs.size(); ++i) try {
+      const auto [kind, place] = place_of(options.inputs[i], structure);
+      for (FrfSet set : of_outputs) {
+        set.input = kind;
+        set.place = place;
+        sets.push_back(std::move(set));
+      }
+    } catch (const InvalidInput& error) {
+      add(error, "inputs[" + std::to_string(i) + "]: ", issues);
+    }
+  return sets;
+}
+
+void check_reductions(const StructureModel& model, IssueList& issues) {
+  if (model.finite_elements.empty())
+    issues.add({}, "model: there are no finite elements to reduce", "full and reduced model are the same",
+               "ask for ResponseModel::full");
+  for (const auto& elements : model.finite_elements)
+    if (!elements.reduced)
+      issues.add({}, "model: '" + elements.part->name + "' is not to be reduced", "a reduced model is asked for",
+                 "call reduce() of the finite elements");
+}
+
 }  // namespace
 
 StructureModes modes(const Structure& structure, Index count) {
@@ -126,6 +167,37 @@ Eigen::MatrixXcd frequency_responses(const Structure& structure, const VectorXd&
     for (std::size_t j = 0; j < outputs.size(); ++j) values(i, static_cast<Index>(j)) = evaluation.at(j, s).values[0];
   }
   return values;
+}
+
+FrequencyResponses frequency_responses(const Structure& structure, const FrequencyResponseOptions& options) {
+  IssueList issues;
+  const auto& lines = options.frequencies;
+  try {
+    require_lines(lines);
+  } catch (const InvalidInput& error) {
+    add(error, "", issues);
+  }
+  if (lines.size() > 1 && !(lines.tail(lines.size() - 1).array() > lines.head(lines.size() - 1).array()).all())
+    issues.add({}, "frequencies: they do not ascend", "peaks are found between neighbours", "sort them");
+  FrequencyResponseProblem problem{.frequencies = lines,
+                                   .sets = sets_of(structure, options, issues),
+                                   .model = options.model,
+                                   .method = options.method,
+                                   .parts = {},
+                                   .finite_elements = {},
+                                   .full = {}};
+  const auto model = make_structure_model(structure.description());
+  if (options.model != ResponseModel::full) check_reductions(*model, issues);
+  problem.finite_elements = model->finite_elements;
+  problem.parts = model->parts;
+  problem.parts.finite_elements.clear();
+  for (const auto& elements : model->finite_elements)
+    problem.parts.finite_elements.push_back(
+        {elements.part->name, std::shared_ptr<const LinearModel>(elements.part, &elements.part->full)});
+  problem.full = std::make_shared<const LinearModel>(linearised_at_rest(couple(problem.parts)));
+  for (const auto& set : problem.sets) places_of(set, *problem.full, issues);
+  issues.raise();
+  return frequency_responses(problem, options.progress);
 }
 
 }  // namespace kalfem

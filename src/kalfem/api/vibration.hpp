@@ -7,6 +7,8 @@
 
 #include "kalfem/api/sensors.hpp"
 #include "kalfem/api/structure.hpp"
+#include "kalfem/base/progress.hpp"
+#include "kalfem/vibration/computed_response.hpp"
 
 namespace kalfem {
 
@@ -34,5 +36,20 @@ StructureModes modes_of(const Structure& structure, const std::string& substruct
 /// negative, not finite or those of an undamped resonance.
 Eigen::MatrixXcd frequency_responses(const Structure& structure, const Eigen::VectorXd& frequencies,
                                      const std::string& input, const std::vector<OutputDescription>& outputs);
+
+/// Frequency responses of a structure with its finite elements at full order, as reduce() describes them, or both.
+struct FrequencyResponseOptions {
+  Eigen::VectorXd frequencies;             ///< [Hz], ascending
+  std::vector<std::string> inputs;         ///< forces, moved grounds, or points at which unit forces act
+  std::vector<OutputDescription> outputs;  ///< absolute motions of points and strains of gauges
+  ResponseModel model = ResponseModel::full;
+  ResponseMethod method = ResponseMethod::modal;
+  Progress progress = {};
+};
+
+/// Every response with its peaks, and where both models are asked for, how far the reduced one is from the full one:
+/// what `frf` of a case gives. A superelement keeps the points at which forces act beside its boundary, so that the
+/// static response to them is exact. Throws InvalidInput as above, with every argument that is wrong.
+FrequencyResponses frequency_responses(const Structure& structure, const FrequencyResponseOptions& options);
 
 }  // namespace kalfem

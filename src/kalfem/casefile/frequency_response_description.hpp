@@ -7,6 +7,7 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/updating/frf_set.hpp"
+#include "kalfem/vibration/computed_response.hpp"
 
 /// Frequency responses as the case file asks for them, see description.hpp.
 namespace kalfem::description {
@@ -23,9 +24,6 @@ struct ResponseOutput {
   ResponseQuantity quantity = ResponseQuantity::acceleration;
   Name point;  ///< of strains a gauge
 };
-
-enum class ResponseModel { full, reduced, both };
-enum class ResponseMethod { modal, direct };
 
 /// Frequency responses of the structure, linear about rest.
 struct FrequencyResponses {

@@ -4,12 +4,12 @@
 #include "kalfem/diagnosis/diagnose.hpp"
 #include "kalfem/diagnosis/judge_estimation.hpp"
 #include "kalfem/diagnosis/judge_updating.hpp"
+#include "kalfem/diagnosis/judge_validation.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
 #include "kalfem/steps/study_results.hpp"
 #include "kalfem/steps/updating/outcome.hpp"
 #include "kalfem/steps/validation/outcome.hpp"
 #include "kalfem/study/study.hpp"
-#include "kalfem/verdict/validation_checks.hpp"
 
 namespace kalfem {
 
@@ -25,23 +25,6 @@ std::vector<Reason> reasons_of(const std::vector<UpdatingParameter>& parameters,
   for (const auto& each : outcome.comparisons)
     end.comparisons.push_back({each.name, each.size, each.rms_final, !each.derivatives.empty(), each.modes_final});
   return updating_reasons(end);
-}
-
-std::vector<Reason> reasons_of(const ValidationOutcome& outcome) {
-  const auto &held_back = outcome.held_back, &own = outcome.own;
-  if (!held_back.failure.empty())
-    return {{"validation_failed", "", "the validation gave no comparison: " + held_back.failure,
-             "the estimates do not describe the structure by themselves: check the priors, the laws and the inputs",
-             VerdictState::suspicious, unusable_widening}};
-  std::vector<ValidatedSensor> sensors;
-  for (std::size_t j = 0; j < held_back.nrmse.size(); ++j) {
-    sensors.push_back(
-        {.name = held_back.measured.channels[j].name, .error = held_back.nrmse[j], .noise = held_back.noise[j]});
-    if (own.nrmse.empty()) continue;
-    sensors.back().own_error = own.nrmse[j];
-    sensors.back().own_noise = own.noise[j];
-  }
-  return validation_reasons(sensors);
 }
 
 /// Of every step that ran. A step that failed is the reason, and what it left is not judged: it would only say again

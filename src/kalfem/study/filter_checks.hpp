@@ -21,7 +21,4 @@ std::vector<std::string> doubtful_estimation(const CaseStudy& study);
 /// boundary.
 void check_driven(const Study& study, const CoupledModel& model, const Name& substructure);
 
-/// The error that the augmented model does not contain a point that drives the substructure.
-InvalidInput not_estimated(const Name& substructure, const std::string& point);
-
 }  // namespace kalfem

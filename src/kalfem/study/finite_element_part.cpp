@@ -221,13 +221,6 @@ UsedGroups used_groups(const PartUses& uses) {
 
 }  // namespace
 
-std::string ignored_preload(const std::string& load_case, const std::vector<std::string>& springs) {
-  const std::string more = springs.size() > 1 ? " and " + std::to_string(springs.size() - 1) + " more" : "";
-  return "the preload '" + load_case + "' leaves a force in the spring '" + springs.front() + "'" + more +
-         ", which is ignored: the spring acts along a direction that does not turn with its nodes, so its force "
-         "stiffens nothing; a truss or rod (T3D2, SPRINGA, CROD) in its place turns with them";
-}
-
 DescribedPart make_finite_element_part(const std::string& name, const d::Substructure& given, const PartUses& uses,
                                        DeckFiles& decks) {
   DescribedPart described;

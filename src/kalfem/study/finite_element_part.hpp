@@ -33,9 +33,6 @@ struct PartUses {
 DescribedPart make_finite_element_part(const std::string& name, const description::Substructure& given,
                                        const PartUses& uses, DeckFiles& decks);
 
-/// Warns of springs whose force a preload leaves out, by their names, see preload_of().
-std::string ignored_preload(const std::string& load_case, const std::vector<std::string>& springs);
-
 /// The reduction that the case asks for; ReductionRequest states the defaults.
 ReductionRequest reduction_request(const std::optional<Located<description::Reduction>>& given);
 

@@ -120,7 +120,7 @@ void check_grounds(const d::FrequencyResponses& given, const FrequencyResponsePl
 }
 
 void check_model(const d::FrequencyResponses& given, const FrequencyResponsePlan& plan, IssueList& issues) {
-  if (plan.model == d::ResponseModel::full || !plan.finite_elements.empty()) return;
+  if (plan.model == ResponseModel::full || !plan.finite_elements.empty()) return;
   issues.add(given.model.location, given.model.path + ": there are no finite elements to reduce",
              "full and reduced model are the same", "write `model: full`");
 }
@@ -130,10 +130,10 @@ void check_model(const d::FrequencyResponses& given, const FrequencyResponsePlan
 FrequencyResponsePlan make_frequency_response_plan(const d::Case& given, const StructureModel& structure,
                                                    IssueList& issues) {
   const auto& responses = given.frequency_response->value;
-  FrequencyResponsePlan plan{.frequencies = lines_of(responses.frequencies.value),
-                             .lines_at = responses.frequencies.location,
-                             .model = responses.model.value,
-                             .method = responses.method};
+  FrequencyResponsePlan plan{{.frequencies = lines_of(responses.frequencies.value),
+                              .model = responses.model.value,
+                              .method = responses.method},
+                             responses.frequencies.location};
   take_parts(responses, structure, plan);
   check_model(responses, plan, issues);
   const ResponsePlaces places(plan.parts, issues);

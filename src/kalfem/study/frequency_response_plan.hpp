@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Dense>
-#include <memory>
-#include <string>
-#include <vector>
-
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/casefile/frequency_response_description.hpp"
-#include "kalfem/identification/structure.hpp"
-#include "kalfem/updating/frf_set.hpp"
+#include "kalfem/vibration/frequency_responses.hpp"
 
 namespace kalfem {
 
@@ -19,15 +12,8 @@ struct Case;
 }
 
 /// Frequency responses that a case asks for, with every name looked up.
-struct FrequencyResponsePlan {
-  Eigen::VectorXd frequencies;  ///< [Hz], ascending
-  SourceLocation lines_at;      ///< where the case states them
-  std::vector<FrfSet> sets;     ///< of each input, one for each quantity of its outputs
-  description::ResponseModel model = description::ResponseModel::full;
-  description::ResponseMethod method = description::ResponseMethod::modal;
-  StructureParts parts;  ///< finite elements at full order; the inputs are the grounds that move
-  std::vector<FiniteElementSubstructure> finite_elements;  ///< in the order of parts.finite_elements
-  std::shared_ptr<const LinearModel> full;                 ///< of the parts, linear about rest
+struct FrequencyResponsePlan : FrequencyResponseProblem {
+  SourceLocation lines_at;  ///< where the case states the frequencies
 };
 
 /// Problems go to `issues` with their place: unknown points and grounds, grounds at which nothing ends, connectors

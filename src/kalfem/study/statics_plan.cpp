@@ -2,10 +2,9 @@
 #include "kalfem/study/statics_plan.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <map>
 
 #include "kalfem/casefile/description.hpp"
+#include "kalfem/model/statics/load_places.hpp"
 #include "kalfem/study/assembly.hpp"
 #include "kalfem/yaml/bounds.hpp"
 
@@ -13,41 +12,25 @@ namespace kalfem {
 namespace {
 
 namespace d = description;
-using Eigen::Index;
 
 Eigen::Vector3d vector(const std::array<double, 3>& values) { return {values[0], values[1], values[2]}; }
 
-/// The nodes and faces that loads name, of one substructure. Unknown names become issues.
-class LoadPlaces {
+/// The places of one substructure by the names of the case. Unknown names become issues.
+class NamedPlaces {
 public:
-  LoadPlaces(const FiniteElementPart& part, IssueList& issues)
-      : part_(part), mesh_(part.elements.mesh), finder_(mesh_), issues_(issues) {}
+  NamedPlaces(const FiniteElementPart& part, IssueList& issues)
+      : places_(part.elements, part.nodes, part.load_groups), issues_(issues) {}
 
-  /// Nodes with the part of a load that each takes: a named node, a node number, a group of lines or surfaces, or a
-  /// group of nodes, which share it equally.
-  [[nodiscard]] std::map<Index, double> shares(const Name& place) const {
-    if (const auto named = std::ranges::find(part_.nodes, place.value, &NamedNode::name); named != part_.nodes.end())
-      return {{named->node, 1.0}};
-    if (const auto cells = part_.load_groups.find(place.value); cells != part_.load_groups.end())
-      return uniform_shares(mesh_, cells->second);
-    if (const auto set = mesh_.node_sets.find(place.value); set != mesh_.node_sets.end()) {
-      std::map<Index, double> equal;
-      for (const auto node : set->second) equal[node] = 1.0 / static_cast<double>(set->second.size());
-      return equal;
-    }
-    if (const Index node = numbered(place.value); node >= 0) return {{node, 1.0}};
+  void add_load(const d::StaticForce& given, LoadCase& load_case) const {
+    const Name& place = given.at;
+    if (add_force(places_, place.value, vector(given.force), vector(given.moment), load_case)) return;
     issues_.add(place.location, place.path + ": there is no node or group '" + place.value + "'" + hint(place.value),
                 "a load needs something to act on", "name one of `nodes`, a node number or a group of the mesh");
-    return {};
   }
 
   [[nodiscard]] std::vector<LoadedFace> faces(const Name& place) const {
-    std::vector<LoadedFace> found;
-    const auto cells = part_.load_groups.find(place.value);
-    const auto set = mesh_.node_sets.find(place.value);
-    if (cells != part_.load_groups.end()) found = faces_of_cells(part_.elements, cells->second);
-    if (found.empty() && set != mesh_.node_sets.end()) found = faces_between_nodes(part_.elements, set->second);
-    if (found.empty() && cells == part_.load_groups.end() && set == mesh_.node_sets.end())
+    auto found = places_.faces(place.value);
+    if (found.empty() && !places_.has_group(place.value))
       issues_.add(place.location, place.path + ": there is no group '" + place.value + "'" + hint(place.value),
                   "a pressure needs faces", "name a region of shells or a group of surfaces or nodes");
     else if (found.empty())
@@ -60,48 +43,29 @@ public:
 
   /// "tip.z" of a named node.
   [[nodiscard]] std::optional<NodalDof> dof(const std::string& name, const d::Value& value) const {
+    if (const auto found = places_.dof(name)) return found;
     const auto dot = name.rfind('.');
-    const int direction = dot == std::string::npos ? -1 : direction_index(name.substr(dot + 1));
-    const auto named = std::ranges::find(part_.nodes, name.substr(0, dot), &NamedNode::name);
-    if (direction < 0)
+    if (dot == std::string::npos || direction_index(name.substr(dot + 1)) < 0)
       issues_.add(value.location, value.path + ": '" + name + "' has no direction", "a displacement is along one",
                   "write node.x, y, z, rx, ry or rz");
-    else if (named == part_.nodes.end())
+    else
       issues_.add(value.location, value.path + ": there is no node '" + name.substr(0, dot) + "'" + hint(name), "",
                   "define it under `nodes`");
-    else
-      return NodalDof{named->node, direction};
     return std::nullopt;
   }
 
-  [[nodiscard]] std::string hint(const std::string& name) const {
-    std::vector<std::string> known;
-    for (const auto& node : part_.nodes) known.push_back(node.name);
-    for (const auto& [group, nodes] : mesh_.node_sets) known.push_back(group);
-    for (const auto& [region, property] : part_.elements.properties) known.push_back(region);
-    return did_you_mean(name.substr(0, name.rfind('.')), known);
-  }
+  [[nodiscard]] std::string hint(const std::string& name) const { return places_.hint(name); }
 
 private:
-  [[nodiscard]] Index numbered(const std::string& word) const {
-    std::int64_t number = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-    return error == std::errc{} && end == word.data() + word.size() ? finder_.find(number) : -1;
-  }
-
-  const FiniteElementPart& part_;
-  const Mesh& mesh_;
-  NodeFinder finder_;
+  LoadPlaces places_;
   IssueList& issues_;
 };
 
-LoadCase load_case_of(const std::string& name, const d::StaticCase& given, const LoadPlaces& places) {
+LoadCase load_case_of(const std::string& name, const d::StaticCase& given, const NamedPlaces& places) {
   LoadCase load_case{.name = name, .gravity = vector(given.gravity)};
   if (const auto& rotation = given.rotation)
     load_case.rotation = Rotation{vector(rotation->axis), vector(rotation->about), rotation->speed};
-  for (const auto& force : given.forces)
-    for (const auto& [node, share] : places.shares(force.at))
-      load_case.loads.push_back({node, share * vector(force.force), share * vector(force.moment)});
+  for (const auto& force : given.forces) places.add_load(force, load_case);
   for (const auto& pressure : given.pressures)
     load_case.pressures.push_back({places.faces(pressure.on), pressure.pressure});
   for (const auto& [dof_name, value] : given.displacements)
@@ -111,7 +75,7 @@ LoadCase load_case_of(const std::string& name, const d::StaticCase& given, const
 }
 
 /// The load cases of the case file, then those of the deck, which must have names of their own.
-std::vector<LoadCase> load_cases_of(const d::Statics& given, const FiniteElementPart& part, const LoadPlaces& places,
+std::vector<LoadCase> load_cases_of(const d::Statics& given, const FiniteElementPart& part, const NamedPlaces& places,
                                     IssueList& issues) {
   std::vector<LoadCase> cases;
   for (const auto& [name, each] : given.cases) cases.push_back(load_case_of(name, each.value, places));
@@ -130,8 +94,8 @@ std::vector<LoadCase> load_cases_of(const d::Statics& given, const FiniteElement
   return cases;
 }
 
-std::vector<NamedNode> reported_points(const d::Statics& given, const FiniteElementPart& part, const LoadPlaces& places,
-                                       IssueList& issues) {
+std::vector<NamedNode> reported_points(const d::Statics& given, const FiniteElementPart& part,
+                                       const NamedPlaces& places, IssueList& issues) {
   if (given.points.empty()) return part.nodes;
   std::vector<NamedNode> points;
   for (const auto& point : given.points)
@@ -175,7 +139,7 @@ std::vector<std::string> load_groups_of(const d::Statics* statics) {
 Preload preload_of(const FiniteElementPart& part, const Name& load_case, const d::Statics* statics) {
   IssueList issues;
   std::vector<LoadCase> cases;
-  if (statics) cases = load_cases_of(*statics, part, LoadPlaces(part, issues), issues);
+  if (statics) cases = load_cases_of(*statics, part, NamedPlaces(part, issues), issues);
   issues.raise();
   const auto found = std::ranges::find(cases, load_case.value, &LoadCase::name);
   if (found == cases.end())
@@ -188,8 +152,8 @@ Preload preload_of(const FiniteElementPart& part, const Name& load_case, const d
 
 StaticsPlan make_statics_plan(const d::Case& given, const StructureModel& structure, IssueList& issues) {
   const d::Statics& statics = given.statics->value;
-  StaticsPlan plan{.part = loaded_part(statics, structure)};
-  const LoadPlaces places(*plan.part, issues);
+  StaticsPlan plan{{}, loaded_part(statics, structure)};
+  const NamedPlaces places(*plan.part, issues);
   auto cases = load_cases_of(statics, *plan.part, places, issues);
   plan.points = reported_points(statics, *plan.part, places, issues);
   if (issues.empty()) plan.analysis = std::make_shared<const StaticAnalysis>(plan.part->elements, std::move(cases));

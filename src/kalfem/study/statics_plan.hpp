@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "kalfem/identification/finite_element_part.hpp"
 #include "kalfem/model/statics/geometric_stiffness.hpp"
-#include "kalfem/model/statics/statics.hpp"
+#include "kalfem/model/statics/solved_load_cases.hpp"
 
 namespace kalfem {
 
@@ -19,10 +18,8 @@ struct Statics;
 }  // namespace description
 
 /// Static load cases of a finite-element substructure, checked and factored.
-struct StaticsPlan {
+struct StaticsPlan : StaticsProblem {
   FiniteElementPartPtr part;
-  std::shared_ptr<const StaticAnalysis> analysis;
-  std::vector<NamedNode> points;  ///< whose displacement and stress are reported
 };
 
 /// Looks up the nodes, groups and points that `static` names. Problems go to `issues` with their place: names that do

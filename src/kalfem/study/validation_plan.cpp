@@ -168,7 +168,7 @@ void check_validation(const CaseStudy& study, IssueList& issues) {
 ValidationPlan make_validation_plan(const CaseStudy& study, IssueList& issues) {
   const auto& [validate, place, path] = *study.given.validate;
   const d::Case other = case_of_validation(study.given, issues);
-  ValidationPlan plan{.file = other.record->file.value.string()};
+  ValidationPlan plan{{}, other.record->file.value.string()};
   try {
     plan.record = read_measured_record(other);
   } catch (const InvalidInput& error) {

@@ -2,23 +2,17 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "kalfem/base/invalid_input.hpp"
-#include "kalfem/records/record_preparation.hpp"
-#include "kalfem/system/signal.hpp"
+#include "kalfem/validation/validation.hpp"
 
 namespace kalfem {
 
 struct CaseStudy;
 
 /// A part of a record that the estimates are tried on: it is not used to find them.
-struct ValidationPlan {
-  PreparedRecord record;
-  std::vector<SignalPtr> signals;  ///< one an input, over the time of that record
-  std::string file;                ///< that holds the record
-  double lead_in = 0.0;            ///< first part of it, from which the initial state is estimated [s]
-  bool from_rest = false;          ///< instead, the structure is at rest at its first sample
+struct ValidationPlan : ValidationPart {
+  std::string file;  ///< that holds the record
 };
 
 /// Whether the case has what a validation needs. Problems go to `issues` with their place.

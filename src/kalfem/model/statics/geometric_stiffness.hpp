@@ -35,4 +35,7 @@ NodalMatrices preload_matrices(const FiniteElementModel& model, const LoadCase& 
 /// The stiffness alone.
 SparseMatrix preload_stiffness(const FiniteElementModel& model, const LoadCase& load_case);
 
+/// Warns of springs whose force a preload leaves out, by their names, see preload_of().
+std::string ignored_preload(const std::string& load_case, const std::vector<std::string>& springs);
+
 }  // namespace kalfem

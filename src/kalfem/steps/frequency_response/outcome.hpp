@@ -1,51 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Dense>
-#include <optional>
-#include <string>
-#include <vector>
+#include "kalfem/vibration/computed_response.hpp"
 
 namespace kalfem {
 
-/// A resonance in the magnitude of a frequency response.
-struct ComputedPeak {
-  double frequency = 0.0;         ///< natural frequency [Hz], of one pole fitted to the lines around it
-  std::optional<double> damping;  ///< ratio to critical; nothing where the lines around it do not tell
-  double magnitude = 0.0;         ///< of its highest line
-};
-
-/// How far the reduced model's H_r is from the full model's H. A resonance holds the lines around a peak with at least
-/// 1 / sqrt(2) of its magnitude; all other lines lie between resonances.
-struct ResponseDifference {
-  std::optional<double> at_resonances;  ///< largest |H_r - H| / |H at the peak|; nothing without peaks
-  std::optional<double> between;        ///< largest |H_r - H| / |H|; nothing without such lines
-  double between_at = 0.0;              ///< where that is [Hz]
-};
-
-/// One frequency response; of the models that were not asked for it is empty.
-struct ComputedResponse {
-  std::string input, output;                     ///< qualified point or ground; point
-  std::string name;                              ///< "frame.p6.z per force at frame.p1.z"
-  std::string quantity, unit;                    ///< "acceleration", "(m/s^2)/N"
-  Eigen::VectorXcd full, reduced;                ///< H, one a line
-  std::vector<ComputedPeak> peaks;               ///< of the full model where it was asked for, ascending
-  std::optional<ResponseDifference> difference;  ///< if both models were asked for
-
-  /// The reduced model's only where that is the one asked for.
-  [[nodiscard]] const Eigen::VectorXcd& best() const { return full.size() > 0 ? full : reduced; }
-};
-
-/// Size of a model and the time that its responses took.
-struct ResponseCost {
-  Eigen::Index dofs = 0;
-  double seconds = 0.0;
-};
-
-struct FrequencyResponseOutcome {
-  Eigen::VectorXd frequencies;  ///< [Hz]
-  std::vector<ComputedResponse> responses;
-  std::optional<ResponseCost> full, reduced;
-};
+/// Frequency responses of the case's structure.
+using FrequencyResponseOutcome = FrequencyResponses;
 
 }  // namespace kalfem

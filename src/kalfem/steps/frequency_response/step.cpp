@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kalfem/steps/frequency_response/compute.hpp"
+#include <algorithm>
+#include <iterator>
+
 #include "kalfem/steps/frequency_response/outcome.hpp"
 #include "kalfem/steps/frequency_response/report.hpp"
 #include "kalfem/steps/run_step.hpp"
@@ -8,12 +10,21 @@
 namespace kalfem {
 namespace {
 
+/// What cannot be computed is told at the case's frequencies.
+FrequencyResponses responses_of(const FrequencyResponsePlan& plan, const Progress& progress) try {
+  return frequency_responses(plan, progress);
+} catch (const InvalidInput& error) {
+  IssueList issues;
+  issues.add(error, plan.lines_at);
+  throw InvalidInput(issues.issues());
+}
+
 void respond(RunContext& context) {
   auto& results = context.results;
-  results.put(results.phases.measure("frequency_response", [&] {
-    return run_frequency_response(*context.study.frequency_response, context.job.begin("frequency responses"),
-                                  results.warnings);
+  const auto& outcome = results.put(results.phases.measure("frequency_response", [&] {
+    return responses_of(*context.study.frequency_response, context.job.begin("frequency responses"));
   }));
+  std::ranges::copy(outcome.warnings, std::back_inserter(results.warnings));
 }
 
 /// H by input, output and quantity: magnitude and phase of each model.

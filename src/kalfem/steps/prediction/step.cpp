@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "kalfem/base/stopwatch.hpp"
 #include "kalfem/identification/augmented_model_setup.hpp"
 #include "kalfem/page/json_number.hpp"
 #include "kalfem/page/words.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
 #include "kalfem/steps/point_errors.hpp"
-#include "kalfem/steps/prediction/compute.hpp"
 #include "kalfem/steps/prediction/outcome.hpp"
 #include "kalfem/steps/prediction/section.hpp"
 #include "kalfem/steps/run_step.hpp"
+#include "kalfem/steps/simulation/outcome.hpp"
 #include "kalfem/steps/updating/outcome.hpp"
 #include "kalfem/study/structural_modifications.hpp"
+#include "kalfem/vibration/driven_motion.hpp"
 
 // Two predictions: the motion of a substructure that its estimated boundary drives, and the natural frequencies after
 // changes to the structure.
@@ -47,13 +49,57 @@ std::optional<UpdatedParameters> updated_parameters(const StudyResults& results)
   return updating ? std::optional(UpdatedParameters{updating->values, updating->statistics}) : std::nullopt;
 }
 
+/// Drives the case's substructure, as the model holds it, by the estimated motion of its boundary.
+std::vector<DrivenQuantity> driven_motion(const Study& study, std::shared_ptr<const CoupledModel> model,
+                                          const EstimationOutcome& estimation, const Progress& progress) try {
+  return kalfem::predict({.structure = study.structure,
+                          .model = std::move(model),
+                          .substructure = study.prediction->substructure.value,
+                          .estimated =
+                              [&](const std::string& point, ObservedQuantity quantity) {
+                                const auto* found = find_quantity(estimation.points, point, quantity);
+                                return found ? &found->mean : nullptr;
+                              },
+                          .start = estimation.measurements.start,
+                          .sample_rate = study.sample_rate(),
+                          .samples = estimation.measurements.samples(),
+                          .substeps = study.prediction->substeps},
+                         progress);
+} catch (const InvalidInput& error) {
+  IssueList issues;
+  const Name& place = study.prediction->substructure;
+  for (const auto& [location, what, why, fix] : error.issues())
+    issues.add(place.location, place.path + ": " + what, why, fix);
+  throw InvalidInput(issues.issues());
+}
+
+/// The prediction beside the reference, where there is one.
+PredictionOutcome compared(const Study& study, const StudyResults& results, std::vector<DrivenQuantity> predicted) {
+  const auto& estimation = results.get<EstimationOutcome>();
+  PredictionOutcome outcome{study.prediction->substructure.value, {}, 0.0};
+  TruthComparison comparison(estimation.settled, study.sample_rate(), estimation.band);
+  for (auto& [name, quantity, values] : predicted) {
+    PointQuantity point{name, quantity, std::move(values), {}, {}, {}, {}};
+    if (const auto* simulation = results.find<SimulationOutcome>())
+      if (const auto* truth = find_quantity(simulation->points, name, quantity)) comparison.compare(point, truth->mean);
+    outcome.points.push_back(std::move(point));
+  }
+  return outcome;
+}
+
 void predict(RunContext& context) {
   const Study& study = context.study;
   auto& results = context.results;
   if (study.prediction) {
-    const auto estimated = estimated_model(context, results.get<EstimationOutcome>());
+    const auto& estimation = results.get<EstimationOutcome>();
+    const Stopwatch watch;
+    auto estimated = estimated_model(context, estimation);
     if (!results.complete()) return;
-    results.put(run_prediction(study, estimated ? *estimated : *study.model, results, context.job.begin("predict")));
+    const auto model = estimated ? std::make_shared<const CoupledModel>(std::move(*estimated)) : study.model;
+    PredictionOutcome outcome =
+        compared(study, results, driven_motion(study, model, estimation, context.job.begin("predict")));
+    outcome.seconds = watch.seconds();
+    results.put(std::move(outcome));
   }
   if (auto found = predict_modifications(study, updated_parameters(results)); !found.empty())
     results.put(ModificationsOutcome{std::move(found)});

@@ -14,7 +14,7 @@ using Eigen::MatrixXd;
 
 MatrixXd unknown(Index rows, Index columns) { return MatrixXd::Constant(rows, columns, NAN); }
 
-MatrixXd nodal_von_mises(const Mesh& mesh, const StaticCaseOutcome& each) {
+MatrixXd nodal_von_mises(const Mesh& mesh, const SolvedLoadCase& each) {
   MatrixXd values = unknown(1, mesh.node_count());
   for (const auto& region : each.nodal)
     for (const auto& mean : region)
@@ -27,7 +27,7 @@ struct CellTensors {
 };
 
 /// Of a shell in the layer with the largest stress; of a beam the axial stress that is largest in magnitude.
-CellTensors cell_tensors(const Mesh& mesh, const StaticCaseOutcome& each) {
+CellTensors cell_tensors(const Mesh& mesh, const SolvedLoadCase& each) {
   const auto count = static_cast<Index>(mesh.cells.size());
   CellTensors tensors{unknown(6, count), unknown(6, count), unknown(1, count)};
   for (const auto& region : each.stresses) {

@@ -48,27 +48,16 @@ Json peak_json(const StaticsPlan& plan, const StressPeak& peak) {
           {"layer", to_string(peak.layer)}};
 }
 
-/// The node that moves farthest.
-Index farthest_node(const StaticCaseOutcome& each) {
-  Index node = 0;
-  each.solution.displacements.reshaped(6, each.solution.displacements.size() / 6)
-      .topRows<3>()
-      .colwise()
-      .norm()
-      .maxCoeff(&node);
-  return node;
-}
-
-Eigen::Vector3d translation(const StaticCaseOutcome& each, Index node) {
+Eigen::Vector3d translation(const SolvedLoadCase& each, Index node) {
   return each.solution.displacements.segment<3>(6 * node);
 }
 
-Json case_json(const StaticsPlan& plan, const StaticCaseOutcome& each) {
+Json case_json(const StaticsPlan& plan, const SolvedLoadCase& each) {
   Json points = Json::object(), reactions = Json::object(), stresses = Json::object();
   for (const auto& point : each.points) points[point.name] = point_json(plan, point);
   for (const auto& reaction : each.solution.reactions) reactions[reaction.name] = resultant_json(reaction.sum);
   for (const auto& peak : each.peaks) stresses[peak.region] = peak_json(plan, peak);
-  const Index farthest = farthest_node(each);
+  const Index farthest = farthest_node(each.solution);
   Json result = {
       {"displacements", points},
       {"displacement_max", {{"node", node_id(plan, farthest)}, {"displacement", numbers(translation(each, farthest))}}},
@@ -148,7 +137,7 @@ std::string preloads_in_words(const StaticsOutcome& outcome) {
 std::string statics_answer(const StaticsOutcome& outcome) {
   const std::string count =
       fmt::format("{} static load case{}", outcome.cases.size(), outcome.cases.size() == 1 ? "" : "s");
-  const StaticCaseOutcome* worst = nullptr;
+  const SolvedLoadCase* worst = nullptr;
   for (const auto& each : outcome.cases)
     if (!each.peaks.empty() && (!worst || std::abs(each.peaks.front().value) > std::abs(worst->peaks.front().value)))
       worst = &each;

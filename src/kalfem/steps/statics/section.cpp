@@ -19,7 +19,7 @@ const std::vector<std::string> band_colours = {"#3b4cc0", "#6788ee", "#9abbff", 
                                                "#edd1c2", "#f7a889", "#e26952", "#b40426"};
 
 /// Largest stress of each cell: von Mises at the centre, of beams the axial one; NaN where there is none.
-Eigen::VectorXd cell_stresses(const Mesh& mesh, const StaticCaseOutcome& each) {
+Eigen::VectorXd cell_stresses(const Mesh& mesh, const SolvedLoadCase& each) {
   Eigen::VectorXd values = Eigen::VectorXd::Constant(static_cast<Index>(mesh.cells.size()), NAN);
   const auto offer = [&](Index cell, double value) {
     if (!(values[cell] >= std::abs(value))) values[cell] = std::abs(value);
@@ -39,7 +39,7 @@ Eigen::VectorXd cell_stresses(const Mesh& mesh, const StaticCaseOutcome& each) {
 /// The deformed mesh with the cells of each band of stress as a region.
 class StressPicture {
 public:
-  StressPicture(const Mesh& mesh, const StaticCaseOutcome& each) : mesh_(mesh), stresses_(cell_stresses(mesh, each)) {
+  StressPicture(const Mesh& mesh, const SolvedLoadCase& each) : mesh_(mesh), stresses_(cell_stresses(mesh, each)) {
     deform(each.solution.displacements);
     divide_into_bands();
     if (!each.peaks.empty()) options_.marks.push_back({MarkKind::point, each.peaks.front().node, "largest stress"});

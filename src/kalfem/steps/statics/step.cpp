@@ -1,21 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <iterator>
+
+#include "kalfem/base/stopwatch.hpp"
 #include "kalfem/steps/run_step.hpp"
 #include "kalfem/steps/simulation/outcome.hpp"
-#include "kalfem/steps/statics/compute.hpp"
 #include "kalfem/steps/statics/outcome.hpp"
 #include "kalfem/steps/statics/report.hpp"
 
 namespace kalfem {
+
+namespace {
+
+void run_statics(RunContext& context) {
+  const StaticsPlan& plan = *context.study.statics;
+  const Stopwatch watch;
+  StaticsOutcome outcome{statics(plan), plan.part->name, 0.0};
+  outcome.seconds = watch.seconds();
+  std::ranges::copy(outcome.warnings, std::back_inserter(context.results.warnings));
+  context.results.put(std::move(outcome));
+}
+
+}  // namespace
 
 RunStep statics_step() {
   return {
       .name = "static",
       .meaning = "displacements, reactions and stresses under static loads",
       .asked_for = [](const Study& study) { return study.statics.has_value(); },
-      .run =
-          [](RunContext& context) {
-            context.results.put(run_statics(*context.study.statics, context.results.warnings));
-          },
+      .run = &run_statics,
       .ran = &has_outcome<StaticsOutcome>,
       .seconds = &seconds_of<StaticsOutcome>,
       .summarise =

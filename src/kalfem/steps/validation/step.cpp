@@ -10,7 +10,6 @@
 #include "kalfem/steps/estimation/outcome.hpp"
 #include "kalfem/steps/run_step.hpp"
 #include "kalfem/steps/updating/outcome.hpp"
-#include "kalfem/steps/validation/compute.hpp"
 #include "kalfem/steps/validation/outcome.hpp"
 #include "kalfem/steps/validation/report.hpp"
 
@@ -31,11 +30,32 @@ StructureParts parts_for_validation(const RunContext& context) {
              : parts_at(*study.problem, linear, linear_estimates(context.results.get<EstimationOutcome>()));
 }
 
-void validate(RunContext& context) {
+/// The case's own record as a part, with at most half of it as lead-in.
+ValidationPart own_part(const PreparedRecord& prepared, const Study& study) {
+  const auto& plan = *study.validation;
+  const double length = prepared.record.end() - prepared.record.start;
+  return {prepared, study.structure->signals, std::min(plan.lead_in, 0.5 * length), plan.from_rest};
+}
+
+ValidationProblem problem_of(const RunContext& context) {
+  const Study& study = context.study;
+  ValidationProblem problem{.structure = {study.structure, parts_for_validation(context), study.sensors, {}, {}},
+                            .held_back = *study.validation};
+  if (study.record) problem.own = own_part(*study.record, study);
+  const auto* estimation = context.results.find<EstimationOutcome>();
+  if (!study.problem || !estimation) return problem;
+  problem.structure = at_estimates(*study.problem, std::move(problem.structure.parts), *estimation);
+  problem.motion = range_of(*estimation);
+  problem.steps = estimation->steps_left;
+  problem.held_back.record = without_sensor_errors(std::move(problem.held_back.record), *estimation);
+  if (problem.own) problem.own->record = without_sensor_errors(std::move(problem.own->record), *estimation);
+  return problem;
+}
+
+void run_validation(RunContext& context) {
   auto& results = context.results;
   context.job.begin("validate");
-  const auto& outcome = results.put(results.phases.measure(
-      "validate", [&] { return run_validation(context.study, parts_for_validation(context), results); }));
+  const auto& outcome = results.put(results.phases.measure("validate", [&] { return validate(problem_of(context)); }));
   auto* estimation = results.find<EstimationOutcome>();
   if (estimation && outcome.one_step_left_out)
     estimation->leave_out("the prediction of the validation one sample ahead");
@@ -129,7 +149,7 @@ RunStep validation_step() {
               [](const Study&) {
                 return std::vector<PlannedStep>{{"validate", 1.0}};
               },
-          .run = &validate,
+          .run = &run_validation,
           .ran = &has_outcome<ValidationOutcome>,
           .summarise =
               [](const Study& study, const StudyResults& results, Json& summary) {

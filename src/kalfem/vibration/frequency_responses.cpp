@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kalfem/steps/frequency_response/compute.hpp"
+#include "kalfem/vibration/frequency_responses.hpp"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,6 @@
 #include "kalfem/identification/response_reduction.hpp"
 #include "kalfem/model/fixed_model.hpp"
 #include "kalfem/records/frequency_response.hpp"
-#include "kalfem/steps/frequency_response/outcome.hpp"
 #include "kalfem/system/linearised.hpp"
 #include "kalfem/updating/direct_response.hpp"
 #include "kalfem/updating/frf_model.hpp"
@@ -21,7 +20,6 @@
 namespace kalfem {
 namespace {
 
-namespace d = description;
 using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::VectorXcd;
@@ -54,12 +52,12 @@ void warn_of_cutoff(const FiniteElementPart& part, const ReductionErrorIndicator
 
 /// The structure with its finite elements reduced. The constraint modes of the points at which forces act are kept as
 /// well: with them the static response to these forces is exact, as with residual vectors.
-LinearModel reduced_model(const FrequencyResponsePlan& plan, std::vector<std::string>& warnings) {
-  const double highest = plan.frequencies.tail(1)[0];
-  StructureParts parts = plan.parts;
-  for (std::size_t i = 0; i < plan.finite_elements.size(); ++i) {
-    const auto& [part, request, in_filter, reference] = plan.finite_elements[i];
-    const auto loaded = loaded_dofs(*part, plan.sets);
+LinearModel reduced_model(const FrequencyResponseProblem& problem, std::vector<std::string>& warnings) {
+  const double highest = problem.frequencies.tail(1)[0];
+  StructureParts parts = problem.parts;
+  for (std::size_t i = 0; i < problem.finite_elements.size(); ++i) {
+    const auto& [part, request, in_filter, reference] = problem.finite_elements[i];
+    const auto loaded = loaded_dofs(*part, problem.sets);
     if (part->boundary.empty() && loaded.empty()) continue;  // nothing acts on it
     const auto element = std::make_shared<const Superelement>(reduce_for_responses(*part, request, loaded, highest));
     warn_of_cutoff(*part, element->error_indicators, highest, warnings);
@@ -69,28 +67,29 @@ LinearModel reduced_model(const FrequencyResponsePlan& plan, std::vector<std::st
 }
 
 /// In a basis of modes and residual vectors, which serves all lines.
-std::vector<MatrixXcd> modal_responses(const LinearModel& model, const FrequencyResponsePlan& plan) {
+std::vector<MatrixXcd> modal_responses(const LinearModel& model, const FrequencyResponseProblem& problem) {
   const VectorXd none;
-  const FrfModel responses(std::make_shared<const FixedModel>(model), plan.sets, plan.frequencies.tail(1)[0], none);
+  const FrfModel responses(std::make_shared<const FixedModel>(model), problem.sets, problem.frequencies.tail(1)[0],
+                           none);
   const FrfEvaluation evaluation = responses.evaluate(none, false);
-  for (const double line : plan.frequencies)
+  for (const double line : problem.frequencies)
     if (evaluation.is_singular({0.0, 2.0 * std::numbers::pi * line})) throw singular_at(line);
   std::vector<MatrixXcd> found;
-  for (std::size_t i = 0; i < plan.sets.size(); ++i) {
-    auto& values = found.emplace_back(plan.frequencies.size(), std::ssize(plan.sets[i].outputs));
+  for (std::size_t i = 0; i < problem.sets.size(); ++i) {
+    auto& values = found.emplace_back(problem.frequencies.size(), std::ssize(problem.sets[i].outputs));
     for (Index line = 0; line < values.rows(); ++line) {
       stop_if_asked();
-      const std::complex<double> s(0.0, 2.0 * std::numbers::pi * plan.frequencies[line]);
+      const std::complex<double> s(0.0, 2.0 * std::numbers::pi * problem.frequencies[line]);
       values.row(line) = evaluation.at(i, s).values.transpose();
     }
   }
   return found;
 }
 
-std::vector<MatrixXcd> responses_of(const LinearModel& model, const FrequencyResponsePlan& plan,
+std::vector<MatrixXcd> responses_of(const LinearModel& model, const FrequencyResponseProblem& problem,
                                     const Progress& progress) {
-  return plan.method == d::ResponseMethod::direct ? direct_responses(model, plan.sets, plan.frequencies, progress)
-                                                  : modal_responses(model, plan);
+  return problem.method == ResponseMethod::direct ? direct_responses(model, problem.sets, problem.frequencies, progress)
+                                                  : modal_responses(model, problem);
 }
 
 /// One a set and output.
@@ -161,38 +160,24 @@ ResponseDifference difference_of(const VectorXd& frequencies, const VectorXcd& f
   return difference;
 }
 
-namespace {
-
-FrequencyResponseOutcome computed(const FrequencyResponsePlan& plan, const Progress& progress,
-                                  std::vector<std::string>& warnings) {
-  FrequencyResponseOutcome outcome{.frequencies = plan.frequencies, .responses = without_values(plan.sets)};
-  const bool both = plan.model == d::ResponseModel::both;
-  if (plan.model != d::ResponseModel::reduced) {
+FrequencyResponses frequency_responses(const FrequencyResponseProblem& problem, const Progress& progress) {
+  FrequencyResponses found{.frequencies = problem.frequencies, .responses = without_values(problem.sets)};
+  const bool both = problem.model == ResponseModel::both;
+  if (problem.model != ResponseModel::reduced) {
     const Stopwatch watch;
-    take(responses_of(*plan.full, plan, part_of(progress, 0.0, both ? 0.9 : 1.0)), &ComputedResponse::full,
-         outcome.responses);
-    outcome.full = {plan.full->size(), watch.seconds()};
+    take(responses_of(*problem.full, problem, part_of(progress, 0.0, both ? 0.9 : 1.0)), &ComputedResponse::full,
+         found.responses);
+    found.full = {problem.full->size(), watch.seconds()};
   }
-  if (plan.model != d::ResponseModel::full) {
+  if (problem.model != ResponseModel::full) {
     const Stopwatch watch;
-    const LinearModel reduced = reduced_model(plan, warnings);
-    take(responses_of(reduced, plan, part_of(progress, both ? 0.9 : 0.0, 1.0)), &ComputedResponse::reduced,
-         outcome.responses);
-    outcome.reduced = {reduced.size(), watch.seconds()};
+    const LinearModel reduced = reduced_model(problem, found.warnings);
+    take(responses_of(reduced, problem, part_of(progress, both ? 0.9 : 0.0, 1.0)), &ComputedResponse::reduced,
+         found.responses);
+    found.reduced = {reduced.size(), watch.seconds()};
   }
-  for (auto& response : outcome.responses) add_peaks_and_difference(plan.frequencies, response);
-  return outcome;
-}
-
-}  // namespace
-
-FrequencyResponseOutcome run_frequency_response(const FrequencyResponsePlan& plan, const Progress& progress,
-                                                std::vector<std::string>& warnings) try {
-  return computed(plan, progress, warnings);
-} catch (const InvalidInput& error) {
-  IssueList issues;
-  issues.add(error, plan.lines_at);
-  throw InvalidInput(issues.issues());
+  for (auto& response : found.responses) add_peaks_and_difference(problem.frequencies, response);
+  return found;
 }
 
 }  // namespace kalfem

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kalfem/api/update_comparisons.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kalfem/api/filter_problem.hpp"
+#include "kalfem/api/sensor_record.hpp"
+#include "kalfem/api/structure_description.hpp"
+#include "kalfem/base/units.hpp"
+#include "kalfem/identification/simulation_residual.hpp"
+#include "kalfem/updating/frf_residual.hpp"
+#include "kalfem/updating/modal_residual.hpp"
+#include "kalfem/updating/static_residual.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+/// Smoothing of frequency responses decreases to the first width divided by this number, then stops.
+constexpr double smoothing_range = 10.0;
+
+/// "frame.tip.z" as {"frame", "tip.z"}.
+std::pair<std::string, std::string> split(const std::string& point) {
+  const auto dot = point.find('.');
+  if (dot == std::string::npos)
+    throw InvalidInput("'" + point + "' names no substructure", "points are qualified",
+                       "write substructure.point, such as body.1 or frame.tip.z");
+  return {point.substr(0, dot), point.substr(dot + 1)};
+}
+
+/// Makes the residual of each kind of comparison.
+class ResidualMaker {
+public:
+  ResidualMaker(const Structure& structure, const StructurePtr& model,
+                const std::shared_ptr<const ParameterisedStructure>& parameterised,
+                const std::vector<UpdatingParameter>& parameters)
+      : structure_(structure),
+        model_(model),
+        parameterised_(parameterised),
+        parameters_(parameters),
+        start_(initial_values(parameters)) {}
+
+  std::vector<ResidualPtr> operator()(const MeasuredModes& given) const {
+    const auto substructure = substructure_of(given.substructure);
+    std::vector<MeasuredMode> modes = measured_modes(given.frequencies);
+    std::vector<DofCombination> points;
+    if (given.shapes.size() > 0 || !given.points.empty()) add_shapes(given, *substructure, modes, points);
+    return {std::make_shared<ModalResidual>(substructure, modes, points, start_,
+                                            ModalResidualOptions{.above = given.above})};
+  }
+
+  std::vector<ResidualPtr> operator()(const MeasuredResponses& given) const {
+    const auto [substructure, input] = split(given.input);
+    MeasuredFrf measured{.name = "values",
+                         .response = {.lines = given.frequencies, .values = given.values, .deviations = given.std},
+                         .set = {.input = FrfInput::force, .place = input}};
+    for (const auto& output : given.outputs) {
+      if (output.points.size() != 1 || output.points.begin()->second != 1.0 || output.relative_to_base)
+        throw InvalidInput("outputs: one is not the absolute motion of a single point", "each column is one response",
+                           "compare each by itself");
+      measured.set.quantity = quantity_of(output);
+      if (output.quantity != given.outputs.front().quantity)
+        throw InvalidInput("outputs: they are of different quantities", "one comparison is of one quantity",
+                           "make a comparison of each");
+      measured.set.outputs.push_back(point_in(substructure, output.points.begin()->first));
+      measured.response.outputs.push_back({measured.set.outputs.back(), unit_of(measured.set)});
+    }
+    FrfResidualOptions options{.relative_deviation = given.relative_std};
+    if (given.std.size() > 0) options.floor = 0.0;
+    const auto widths = given.smoothing > 0.0 ? smoothing_widths(given.smoothing, given.smoothing / smoothing_range)
+                                              : std::vector<double>{0.0};
+    std::vector<ResidualPtr> steps;
+    for (const double width : widths) {
+      options.smoothing = width;
+      steps.push_back(
+          std::make_shared<FrfResidual>(substructure_of(substructure), std::vector{measured}, start_, options));
+    }
+    return steps;
+  }
+
+  std::vector<ResidualPtr> operator()(const MeasuredDeflections& given) const {
+    if (given.displacements.empty())
+      throw InvalidInput("displacements: the list is empty", "there is nothing to compare with", "");
+    const std::string name = split(given.displacements.front().first).first;
+    const auto substructure = substructure_of(name);
+    StaticTest test{"deflections", {}, {}};
+    for (const auto& [point, force] : given.forces)
+      test.forces.push_back({combination_of(*substructure, point_in(name, point)), force});
+    for (const auto& [point, value] : given.displacements)
+      test.displacements.push_back({combination_of(*substructure, point_in(name, point)), value, given.std});
+    return {std::make_shared<StaticResidual>(substructure, std::vector{test}, start_)};
+  }
+
+  std::vector<ResidualPtr> operator()(const MeasuredRecord& given) const {
+    require_signals(structure_.description());
+    require_channels(given.record, given.sensors);
+    if (given.substeps < 1)
+      throw InvalidInput("substeps: " + std::to_string(given.substeps), "a sample interval has at least one", "");
+    const double length = given.record.end() - given.record.start;
+    if (!(given.settle >= 0.0) || !(given.settle < length))
+      throw InvalidInput(
+          "settle: it is " + shortest(given.settle) + " s, but the record is " + shortest(length) + " s long",
+          "what follows is compared", "give a shorter time, >= 0");
+    const auto sensors = make_filter_problem(structure_, given.record.sample_rate, {.sensors = given.sensors}).problem;
+    return {std::make_shared<SimulationResidual>(
+        model_, sensors->sensors, of_sensors(given.record, given.sensors), parameterised_, parameters_,
+        SimulationResidual::Options{.name = "record", .settle = given.settle, .substeps = given.substeps})};
+  }
+
+private:
+  [[nodiscard]] std::shared_ptr<const ParameterisedModel> substructure_of(const std::string& name) const {
+    auto found = parameterised_->model_of(name);
+    if (!found) throw InvalidInput("substructure '" + name + "': there is none of that name", "", "");
+    return found;
+  }
+
+  /// A point of that substructure, without its name.
+  static std::string point_in(const std::string& substructure, const std::string& point) {
+    const auto [owner, name] = split(point);
+    if (owner != substructure)
+      throw InvalidInput("'" + point + "' is not a point of '" + substructure + "'",
+                         "a comparison is of one substructure without connectors", "make a comparison of each");
+    return name;
+  }
+
+  [[nodiscard]] DofCombination combination_of(const ParameterisedModel& substructure, const std::string& point) const {
+    const LinearModel model = substructure.at(start_).model;
+    if (const auto named = model.points.find(point); named != model.points.end()) return named->second;
+    if (std::ranges::find(model.dofs, point) != model.dofs.end()) return {{point, 1.0}};
+    std::vector<std::string> known;
+    for (const auto& [each, combination] : model.points) known.push_back(each);
+    if (!model.points_only) known.insert(known.end(), model.dofs.begin(), model.dofs.end());
+    throw InvalidInput("there is no point '" + point + "'" + did_you_mean(point, known), "", "");
+  }
+
+  static std::vector<MeasuredMode> measured_modes(const std::vector<MeasuredFrequency>& given) {
+    std::vector<MeasuredMode> modes;
+    IssueList issues;
+    for (std::size_t i = 0; i < given.size(); ++i) {
+      const auto& [frequency, std, mode] = given[i];
+      if (!(frequency > 0.0) || !(std > 0.0))
+        issues.add({},
+                   "frequencies[" + std::to_string(i) + "]: " + shortest(frequency) +
+                       " Hz with a standard deviation of " + shortest(std) + " Hz",
+                   "both must be > 0", "");
+      modes.push_back({.frequency = frequency, .deviation = std, .model_mode = mode});
+    }
+    if (given.empty()) issues.add({}, "frequencies: the list is empty", "there is nothing to compare with", "");
+    issues.raise();
+    return modes;
+  }
+
+  void add_shapes(const MeasuredModes& given, const ParameterisedModel& substructure, std::vector<MeasuredMode>& modes,
+                  std::vector<DofCombination>& points) const {
+    if (given.shapes.rows() != std::ssize(given.points) || given.shapes.cols() != std::ssize(modes))
+      throw InvalidInput("shapes: " + std::to_string(given.shapes.rows()) + " x " +
+                             std::to_string(given.shapes.cols()) + " values, but there are " +
+                             std::to_string(given.points.size()) + " points and " + std::to_string(modes.size()) +
+                             " frequencies",
+                         "each mode is a column", "give one row per point and one column per frequency");
+    if (!(given.shape_std > 0.0))
+      throw InvalidInput("shape_std: it is " + shortest(given.shape_std), "it must be > 0", "");
+    for (const auto& point : given.points)
+      points.push_back(combination_of(substructure, point_in(given.substructure, point)));
+    for (std::size_t i = 0; i < modes.size(); ++i) {
+      modes[i].shape = given.shapes.col(static_cast<Index>(i));
+      modes[i].shape_deviation = given.shape_std;
+    }
+  }
+
+  static ResponseQuantity quantity_of(const OutputDescription& output) {
+    switch (output.quantity) {
+      case ObservedQuantity::displacement:
+        return ResponseQuantity::displacement;
+      case ObservedQuantity::velocity:
+        return ResponseQuantity::velocity;
+      case ObservedQuantity::acceleration:
+        return ResponseQuantity::acceleration;
+      default:
+        throw InvalidInput("outputs: one is no motion of a point", "frequency responses are of motions", "");
+    }
+  }
+
+  const Structure& structure_;
+  const StructurePtr& model_;
+  const std::shared_ptr<const ParameterisedStructure>& parameterised_;
+  const std::vector<UpdatingParameter>& parameters_;
+  VectorXd start_;
+};
+
+}  // namespace
+
+std::vector<MadeComparison> make_comparisons(const Structure& structure, const StructurePtr& model,
+                                             const std::shared_ptr<const ParameterisedStructure>& parameterised,
+                                             const std::vector<UpdatingParameter>& parameters,
+                                             const UpdateOptions& options) {
+  const ResidualMaker make(structure, model, parameterised, parameters);
+  std::vector<MadeComparison> made;
+  IssueList issues;
+  const auto add = [&](const std::string& place, const UpdateComparison& given) {
+    try {
+      if (!(given.weight > 0.0) || !std::isfinite(given.weight))
+        throw InvalidInput("weight: it is " + shortest(given.weight), "it must be > 0", "");
+      made.push_back({given.name, std::visit(make, given.what), given.weight});
+    } catch (const InvalidInput& error) {
+      for (const auto& issue : error.issues()) issues.add({}, place + issue.what, issue.why, issue.fix);
+    }
+  };
+  if (!options.frequencies.empty() || options.comparisons.empty())
+    add("", {.name = "frequencies",
+             .what = MeasuredModes{
+                 .substructure = options.substructure, .frequencies = options.frequencies, .above = options.above}});
+  for (std::size_t i = 0; i < options.comparisons.size(); ++i)
+    add("comparisons[" + std::to_string(i) + "] '" + options.comparisons[i].name + "': ", options.comparisons[i]);
+  issues.raise();
+  return made;
+}
+
+}  // namespace kalfem
