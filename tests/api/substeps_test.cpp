@@ -50,7 +50,7 @@ Record reference() {
   return make_record(rate, {{"x", values}});
 }
 
-EstimateResult estimate_with(std::optional<int> substeps) {
+EstimateResult estimate_with(std::optional<int> substeps, int step_order = 2) {
   return estimate(oscillator(1.5e5, 2e9, 30.0, 0.8), reference(),
                   {.sensors = {{"x", displacement("circuit.m"), noise}},
                    .unknowns = {{"spring.k", {.std = 5e4}},
@@ -58,6 +58,7 @@ EstimateResult estimate_with(std::optional<int> substeps) {
                                 {"spring.c", {.std = 15.0}},
                                 {"circuit.m.mass", {.std = 0.25}}},
                    .substeps = substeps,
+                   .step_order = step_order,
                    .second_thoughts = std::numeric_limits<double>::infinity()});
 }
 
@@ -91,15 +92,43 @@ TEST(Substeps, AreAsManyAsTheEstimatesNeed) {
   EXPECT_LT(errors_of(result).maxCoeff(), 3.0) << errors_of(result).transpose();
 }
 
+TEST(Substeps, OfFourthOrderAreFarFewer) {
+  const auto quadratic = estimate_with({}, 4);
+  ASSERT_TRUE(quadratic.usable());
+  EXPECT_LE(quadratic.substeps, 4);
+  ASSERT_EQ(quadratic.substep_bias.size(), 4);
+  EXPECT_LE(quadratic.substep_bias.maxCoeff(), 0.2);
+  EXPECT_LT(errors_of(quadratic).maxCoeff(), 3.0) << errors_of(quadratic).transpose();
+  // found 0.1 standard deviations between four of fourth order and 128 of second
+  const auto many = estimate_with(128), few = estimate_with(4, 4);
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_NEAR(few.parameters[i].mean, many.parameters[i].mean, 0.3 * many.parameters[i].std) << i;
+}
+
+TEST(Substeps, RefuseAStepOfThirdOrder) { EXPECT_THROW(estimate_with({}, 3), InvalidInput); }
+
 /// An estimate from a record of slow motions, for which four substeps are enough.
-EstimateResult of_slow_motions(std::optional<int> substeps) {
+EstimateResult of_slow_motions(std::optional<int> substeps, int step_order = 2) {
   const std::vector<SensorDescription> sensors = {{"a3", acceleration("body.2"), 2.0},
                                                   {"a5", acceleration("body.4"), 2.0}};
   const auto record =
       simulate(driven_chain(), {.sensors = sensors, .duration = 2.0, .sample_rate = 1000.0, .seed = 1}).record;
-  return estimate(
-      driven_chain(), record,
-      {.sensors = sensors, .unknowns = {{"suspension.mu_k1", {.initial = 15, .std = 5}}}, .substeps = substeps});
+  return estimate(driven_chain(), record,
+                  {.sensors = sensors,
+                   .unknowns = {{"suspension.mu_k1", {.initial = 15, .std = 5}}},
+                   .substeps = substeps,
+                   .step_order = step_order});
+}
+
+/// What the embedded step of second order would shift is small: no second run is made.
+TEST(Substeps, OfFourthOrderAreJudgedWithinTheRun) {
+  const auto chosen = of_slow_motions({}, 4);
+  EXPECT_EQ(chosen.substeps, 2);
+  ASSERT_EQ(chosen.substep_bias.size(), 1);
+  EXPECT_LE(chosen.substep_bias[0], 0.2);
+  EXPECT_EQ(of_slow_motions(2, 4).parameters[0].mean, chosen.parameters[0].mean);
+  const auto fine = of_slow_motions(8, 4).parameters[0];  // found 0.05 standard deviations away
+  EXPECT_NEAR(chosen.parameters[0].mean, fine.mean, 0.1 * fine.std);
 }
 
 TEST(Substeps, StayAtFourWhereTheseAreEnough) {
