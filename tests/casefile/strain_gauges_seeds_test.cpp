@@ -46,7 +46,7 @@ TEST(VehicleStrain, LiesInItsBandOver20Records) {
     for (int draw = 1; draw <= draws; ++draw) {
       draw_noise(study, static_cast<std::uint64_t>(draws * road + draw), results.get<SimulationOutcome>());
       auto setup = *study.augmented_model;
-      const auto estimation = run_estimation(study, setup, results, {}, {});
+      const auto estimation = run_estimation(study, setup, results, {}, {}, {});
       ASSERT_FALSE(estimation.result.failure);
       for (const auto& gauge : study.report.strains) {
         const auto* strain = find_quantity(estimation.points, gauge, ObservedQuantity::strain);

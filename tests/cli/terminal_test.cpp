@@ -73,7 +73,7 @@ TEST(Terminal, PrintsItsManualPage) {
   EXPECT_TRUE(page.output.starts_with(".TH KALFEM 1 "));
   for (const std::string verb : {"run", "report", "compare", "plot", "modes", "check", "schema"})
     EXPECT_NE(page.output.find(".SS " + verb + "\n"), std::string::npos) << verb;
-  EXPECT_NE(page.output.find("\\fB\\-\\-resume\\fR \\fITEXT\\fR"), std::string::npos) << page.output;
+  EXPECT_NE(page.output.find("\\fB\\-\\-resume\\fR \\fIFOLDER\\fR"), std::string::npos) << page.output;
   EXPECT_NE(page.output.find(".SH EXIT STATUS"), std::string::npos);
 }
 

@@ -227,7 +227,7 @@ void RecordEstimation::try_rest(FilteredRecord& filtered, int substeps) {
 /// Further passes, each from the parameters of the one before, or from these and the motion at the start where that is
 /// unknown. They are kept where the last one no longer contradicts itself, or its innovations no longer do: so the
 /// first guess was all that was wrong. A run that still contradicts itself at its end was misled further, and gets more
-/// passes at once.
+/// passes at once, unless the budget is limited.
 void RecordEstimation::repeat_from_estimates(StepBudget& budget) {
   const auto& settings = problem_->settings;
   if (settings.passes > 1 || settings.adaptive_noise.any()) return;
@@ -238,7 +238,9 @@ void RecordEstimation::repeat_from_estimates(StepBudget& budget) {
   };
   std::vector<Form> forms{{few_passes, false}, {more_passes, false}};
   if (estimate_.start.moving || states_initial_motion(settings)) forms.push_back({few_passes, true});
-  if (!agrees_at_its_end(estimate_)) forms = {{more_passes, false}};
+  const bool at_first = agrees_at_its_end(estimate_);
+  if (!at_first) forms = {{more_passes, false}};
+  if (budget.is_limited()) std::erase_if(forms, [](const Form& form) { return form.passes > few_passes; });
   for (const auto& [passes, with_start] : forms) {
     if (!budget.take(passes * steps_of_run(*problem_, record_, estimate_.substeps.substeps)))
       return estimate_.leave_out("further passes from the estimates");

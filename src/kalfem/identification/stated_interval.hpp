@@ -19,8 +19,8 @@ struct StatedInterval {
 /// numbers add that are held fixed and known to a stated deviation, in s.
 StatedInterval stated_interval(const RecordEstimate& estimate, Eigen::Index i);
 
-/// The deviation of unknown `i` behind its interval: the larger one of its two, and by squares what numbers add that are
-/// held fixed.
+/// The deviation of unknown `i` behind its interval: the larger one of its two, and by squares what numbers add that
+/// are held fixed.
 double stated_deviation(const RecordEstimate& estimate, Eigen::Index i);
 
 /// The deviation of unknown `i` with what numbers add that are held fixed and known to a stated deviation: the root of

@@ -36,16 +36,15 @@ void add_unknowns(const Study& study, const EstimationOutcome& outcome, std::vec
     const auto row = static_cast<Index>(i);
     const auto& prior = outcome.result.prior;
     const auto stated = stated_interval(outcome, row);
-    found.push_back(
-        {.name = unknowns[i].name,
-         .unit = unknowns[i].unit,
-         .own_unit = study.written_unit(unknowns[i].name),
-         .value = outcome.result.unknowns.mean(row, last),
-         .deviation = stated_deviation(outcome, row),
-         .prior = confidence_interval(unknowns[i].transform, prior.mean[first + row],
-                                      std::sqrt(prior.covariance(first + row, first + row))),
-         .interval = Interval{stated.lower, stated.upper},
-         .truth = study.augmented_model->true_parameters[i]});
+    found.push_back({.name = unknowns[i].name,
+                     .unit = unknowns[i].unit,
+                     .own_unit = study.written_unit(unknowns[i].name),
+                     .value = outcome.result.unknowns.mean(row, last),
+                     .deviation = stated_deviation(outcome, row),
+                     .prior = confidence_interval(unknowns[i].transform, prior.mean[first + row],
+                                                  std::sqrt(prior.covariance(first + row, first + row))),
+                     .interval = Interval{stated.lower, stated.upper},
+                     .truth = study.augmented_model->true_parameters[i]});
   }
 }
 

@@ -152,13 +152,18 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::ranges::find(names, name) != names.end();
 }
 
+/// The ground whose displacement, or velocity, an excitation gives; null where it is another one.
+const Name* displaced_ground(const description::Excitation& given) {
+  if (const auto* base = std::get_if<description::BaseDisplacement>(&given.target)) return &base->ground;
+  const auto* base = std::get_if<description::BaseVelocity>(&given.target);
+  return base ? &base->ground : nullptr;
+}
+
 /// Translates the target of an excitation. Accelerated grounds become displaced ones, whose displacement is the
 /// integral of the signal; an accelerated base without named grounds stays an acceleration of the whole structure.
 InputDescription make_input(const std::string& name, const description::Excitation& given, bool of_grounds) {
-  if (const auto* base = std::get_if<description::BaseDisplacement>(&given.target))
-    return {name, InputKind::base_displacement, base->ground.value, {}, base->ground.location};
-  if (const auto* base = std::get_if<description::BaseVelocity>(&given.target))
-    return {name, InputKind::base_displacement, base->ground.value, {}, base->ground.location};
+  if (const auto* ground = displaced_ground(given))
+    return {name, InputKind::base_displacement, ground->value, {}, ground->location};
   if (const auto* force = std::get_if<description::Force>(&given.target))
     return {name, InputKind::force, force->point.value, {}, force->point.location};
   if (const auto* signal = std::get_if<description::SignalTarget>(&given.target))

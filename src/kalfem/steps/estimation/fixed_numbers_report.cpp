@@ -37,6 +37,14 @@ double told_shift(const RecordEstimate& estimate, Index i) {
          told_change(estimate, estimate.fixed_numbers->numbers[static_cast<std::size_t>(i)]);
 }
 
+/// Whether the record tells a number: better than anybody guesses it, and not only because the study holds the unknowns
+/// within 20 of their deviations.
+bool tells(const RecordEstimate& estimate, Index i) {
+  constexpr double guessed = 0.1, held = 10.0;
+  const double deviation = estimate.fixed_numbers->asked_deviation[i];
+  return deviation < guessed && deviation * std::abs(furthest_shift(estimate, i).deviations) < held;
+}
+
 /// Stated numbers of which the record tells far more than what is stated: as unknowns they would add less.
 std::string better_known(const FixedNumberStudy& study) {
   constexpr double far_better = 1.0 / 3.0;
@@ -90,8 +98,7 @@ Table sensitivity_table(const RecordEstimate& estimate, std::size_t most) {
     table.rows.push_back(
         {fixed.name, four_digits(fixed.value), fixed.unit, change_in_words(fixed, told_change(estimate, fixed)),
          unknown_of(estimate, furthest.unknown).name, fmt::format("{:+.2g}", told_shift(estimate, i)),
-         std::isfinite(study.asked_deviation[i]) ? change_in_words(fixed, study.asked[i], study.asked_deviation[i])
-                                                 : "nothing"});
+         tells(estimate, i) ? change_in_words(fixed, study.asked[i], study.asked_deviation[i]) : "cannot tell"});
   }
   return table;
 }
