@@ -124,9 +124,9 @@ OutputDescription connector_rate(const std::string& connector) {
 
 double EstimateResult::mean_nis(double settle) const {
   const Index from = std::min(nis.size(), static_cast<Index>(std::llround(settle * sample_rate)));
-  const auto settled = nis.tail(nis.size() - from).array();
-  const auto measured = settled.isFinite();
-  return measured.select(settled, 0.0).sum() / static_cast<double>(std::max<Index>(1, measured.count()));
+  const auto counted = nis.tail(nis.size() - from).array();
+  const auto measured = counted.isFinite();
+  return measured.select(counted, 0.0).sum() / static_cast<double>(std::max<Index>(1, measured.count()));
 }
 
 const ParameterEstimate& EstimateResult::parameter(const std::string& name) const {

@@ -33,7 +33,8 @@ EstimationProblemPtr held_back_problem(const Study& study) {
 
 LawCandidate candidate_of(const LawAlternative& alternative, LikelihoodCheckpoint& checkpoint) {
   const Study& study = *alternative.study;
-  LawCandidate candidate{alternative.name, alternative.law, *study.inference};
+  const InferenceProblem& problem = *study.inference;
+  LawCandidate candidate{alternative.name, alternative.law, problem};
   if (study.validation)
     candidate.held_back = {held_back_problem(study), study.validation->record.record, study.validation->from_rest};
   candidate.remember = checkpoint.of(study);

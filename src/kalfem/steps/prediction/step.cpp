@@ -74,12 +74,13 @@ std::vector<DrivenQuantity> driven_motion(const Study& study, std::shared_ptr<co
 }
 
 /// The prediction beside the reference, where there is one.
-PredictionOutcome compared(const Study& study, const StudyResults& results, std::vector<DrivenQuantity> predicted) {
+PredictionOutcome compared(const Study& study, const StudyResults& results,
+                           const std::vector<DrivenQuantity>& predicted) {
   const auto& estimation = results.get<EstimationOutcome>();
   PredictionOutcome outcome{study.prediction->substructure.value, {}, 0.0};
   TruthComparison comparison(estimation.settled, study.sample_rate(), estimation.band);
-  for (auto& [name, quantity, values] : predicted) {
-    PointQuantity point{name, quantity, std::move(values), {}, {}, {}, {}};
+  for (const auto& [name, quantity, values] : predicted) {
+    PointQuantity point{name, quantity, values, {}, {}, {}, {}};
     if (const auto* simulation = results.find<SimulationOutcome>())
       if (const auto* truth = find_quantity(simulation->points, name, quantity)) comparison.compare(point, truth->mean);
     outcome.points.push_back(std::move(point));
