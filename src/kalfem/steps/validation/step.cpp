@@ -40,7 +40,7 @@ ValidationPart own_part(const PreparedRecord& prepared, const Study& study) {
 ValidationProblem problem_of(const RunContext& context) {
   const Study& study = context.study;
   ValidationProblem problem{.structure = {study.structure, parts_for_validation(context), study.sensors, {}, {}},
-                            .held_back = *study.validation};
+                            .held_back = static_cast<const ValidationPart&>(*study.validation)};
   if (study.record) problem.own = own_part(*study.record, study);
   const auto* estimation = context.results.find<EstimationOutcome>();
   if (!study.problem || !estimation) return problem;
