@@ -92,7 +92,7 @@ bool LinearEstimate::outdates(const LinearEstimate& there) const {
   return false;
 }
 
-std::unique_ptr<FilterSetup> moved_to(std::shared_ptr<const AugmentedModel> model, const FilterSetup& before,
+std::unique_ptr<FilterSetup> moved_to(const std::shared_ptr<const AugmentedModel>& model, const FilterSetup& before,
                                       const MatrixXd& measurement_noise, const EstimationOptions& options) {
   auto setup = std::make_unique<FilterSetup>(model, measurement_noise, options);
   // The coordinates depend on where the model is linearised; the estimate goes over through the physical ones.

@@ -51,7 +51,7 @@ LinearEstimate linear_estimate(const AugmentedModel& augmented_model, const std:
                                const EstimatedSeries& estimated, std::optional<Eigen::Index> k = std::nullopt);
 
 /// The setup of a model, its filter with the estimate of `before`.
-std::unique_ptr<FilterSetup> moved_to(std::shared_ptr<const AugmentedModel> model, const FilterSetup& before,
+std::unique_ptr<FilterSetup> moved_to(const std::shared_ptr<const AugmentedModel>& model, const FilterSetup& before,
                                       const Eigen::MatrixXd& measurement_noise, const EstimationOptions& options);
 
 /// Adds to the variance of one state of the filter's estimate.
