@@ -43,11 +43,6 @@ void print_reasons(const StudyResults& results) {
   for (const auto& warning : results.warnings) print_error("warning: {}\n", warning);
 }
 
-/// Whether an interrupted run has found what somebody wants to see.
-bool worth_writing(const StudyResults& results) {
-  return results.has<SimulationOutcome>() || results.has<UpdatingOutcome>() || results.has<EstimationOutcome>();
-}
-
 /// The checkpoint from which a run can go on, that of the latest step; nothing if it would begin again.
 std::optional<fs::path> checkpoint_in(const fs::path& folder) {
   constexpr std::array<std::string_view, 3> latest_first{"update", "infer", "simulate"};

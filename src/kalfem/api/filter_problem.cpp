@@ -207,45 +207,9 @@ private:
   IssueList issues_;
 };
 
-/// Throws InvalidInput with every sensor that was not recorded.
-void require_channels(const Record& record, const std::vector<SensorDescription>& sensors) {
-  std::vector<std::string> known;
-  for (const auto& channel : record.channels) known.push_back(channel.name);
-  IssueList issues;
-  for (std::size_t i = 0; i < sensors.size(); ++i)
-    if (record.find(sensors[i].name) < 0)
-      issues.add({},
-                 "sensors[" + std::to_string(i) + "] '" + sensors[i].name +
-                     "': the record has no channel of that name" + did_you_mean(sensors[i].name, known),
-                 "", "name the sensor as the channel");
-  for (std::size_t i = 0; i < sensors.size(); ++i)
-    if (const Eigen::Index row = record.find(sensors[i].name); row >= 0 && row < record.values.rows() &&
-                                                               record.samples() > 0 &&
-                                                               !record.values.row(row).array().isFinite().any())
-      issues.add({}, "sensors[" + std::to_string(i) + "] '" + sensors[i].name + "': its channel has no number",
-                 "there is no data to estimate from", "remove the sensor or choose another channel");
-  if (static_cast<Eigen::Index>(known.size()) != record.values.rows())
-    issues.add({},
-               "record: it has " + std::to_string(record.values.rows()) + " rows and " + std::to_string(known.size()) +
-                   " channels",
-               "every row of the values needs a name", "");
-  if (record.samples() < 1) issues.add({}, "record: it has no samples", "there is nothing to estimate from", "");
-  issues.raise();
-}
-
 }  // namespace
 
 std::string unit_of(const OutputDescription& output) { return unit_of(output.quantity); }
-
-Record record_of_sensors(const Record& record, const std::vector<SensorDescription>& sensors) {
-  require_channels(record, sensors);
-  std::vector<std::string> names;
-  for (const auto& sensor : sensors) names.push_back(sensor.name);
-  Record selected = select_channels(record, names);
-  for (std::size_t i = 0; i < sensors.size(); ++i)
-    selected.channels[i] = {sensors[i].name, unit_of(sensors[i].output), sensors[i].noise};
-  return selected;
-}
 
 FilterProblem make_filter_problem(const Structure& structure, double sample_rate, const EstimateOptions& options) {
   if (!(sample_rate > 0.0) || !std::isfinite(sample_rate))

@@ -16,10 +16,15 @@ struct FilterProblem {
 /// Looks up every name. `sample_rate`: of the record [Hz]. Throws InvalidInput with every argument that is wrong.
 FilterProblem make_filter_problem(const Structure& structure, double sample_rate, const EstimateOptions& options);
 
-/// The record's channels of the sensors, with their noise. Throws InvalidInput with every sensor that was not recorded.
-Record record_of_sensors(const Record& record, const std::vector<SensorDescription>& sensors);
-
 /// Unit of a description's output, in SI.
 std::string unit_of(const OutputDescription& output);
+
+/// Adds the issues of what `work` throws, each behind `place`.
+template <class Work>
+void collect(const std::string& place, IssueList& issues, const Work& work) try {
+  work();
+} catch (const InvalidInput& error) {
+  for (const auto& issue : error.issues()) issues.add({}, place + issue.what, issue.why, issue.fix);
+}
 
 }  // namespace kalfem

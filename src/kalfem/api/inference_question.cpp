@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "kalfem/api/filter_problem.hpp"
+#include "kalfem/api/sensor_record.hpp"
 #include "kalfem/api/structure_description.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/identification/unknown_prior.hpp"
@@ -110,14 +111,6 @@ EstimateOptions filter_options(const InferOptions& options) {
           .diagnose = false};
 }
 
-/// Adds the issues of what `work` throws.
-template <class Work>
-void collect(IssueList& issues, const Work& work) try {
-  work();
-} catch (const InvalidInput& error) {
-  issues.add(error, {});
-}
-
 /// The constant unknowns that are asked for, with their priors, which must hold the values at which the search starts.
 void set_parameters(const InferOptions& options, InferenceProblem& problem, IssueList& issues) {
   const auto is_asked_for = [&](const Unknown& unknown) {
@@ -168,10 +161,10 @@ InferenceQuestion make_inference_question(const Structure& structure, const Reco
   check_filter_method(options, issues);
   InferenceQuestion question;
   auto& problem = question.problem;
-  collect(issues, [&] { require_signals(structure.description()); });
-  collect(issues, [&] { question.record = record_of_sensors(record, options.sensors); });
+  collect("", issues, [&] { require_signals(structure.description()); });
+  collect("", issues, [&] { question.record = record_of_sensors(record, options.sensors); });
   FilterProblem made;
-  collect(issues, [&] { made = make_filter_problem(structure, record.sample_rate, filter_options(options)); });
+  collect("", issues, [&] { made = make_filter_problem(structure, record.sample_rate, filter_options(options)); });
   issues.raise();
   problem.problem = std::move(made.problem);
   problem.setup = std::move(made.setup);

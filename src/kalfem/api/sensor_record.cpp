@@ -33,7 +33,8 @@ void require_channels(const Record& record, const std::vector<SensorDescription>
   issues.raise();
 }
 
-Record of_sensors(const Record& record, const std::vector<SensorDescription>& sensors) {
+Record record_of_sensors(const Record& record, const std::vector<SensorDescription>& sensors) {
+  require_channels(record, sensors);
   std::vector<std::string> names;
   for (const auto& sensor : sensors) names.push_back(sensor.name);
   Record selected = select_channels(record, names);

@@ -11,7 +11,7 @@ namespace kalfem {
 /// Throws InvalidInput with every sensor that the record has no samples of.
 void require_channels(const Record& record, const std::vector<SensorDescription>& sensors);
 
-/// The record's channels of the sensors, with their noise.
-Record of_sensors(const Record& record, const std::vector<SensorDescription>& sensors);
+/// The record's channels of the sensors, with their noise. Throws as require_channels() does.
+Record record_of_sensors(const Record& record, const std::vector<SensorDescription>& sensors);
 
 }  // namespace kalfem

@@ -107,7 +107,7 @@ public:
           "what follows is compared", "give a shorter time, >= 0");
     const auto sensors = make_filter_problem(structure_, given.record.sample_rate, {.sensors = given.sensors}).problem;
     return {std::make_shared<SimulationResidual>(
-        model_, sensors->sensors, of_sensors(given.record, given.sensors), parameterised_, parameters_,
+        model_, sensors->sensors, record_of_sensors(given.record, given.sensors), parameterised_, parameters_,
         SimulationResidual::Options{.name = "record", .settle = given.settle, .substeps = given.substeps})};
   }
 

@@ -19,16 +19,6 @@ namespace {
 /// Lead-in of a record, as a fraction of it, if none is given.
 constexpr double usual_lead_in = 0.1;
 
-/// Adds what `make` throws to the issues, each behind the place of its argument.
-template <class Make>
-void collect(const std::string& place, IssueList& issues, const Make& make) {
-  try {
-    make();
-  } catch (const InvalidInput& error) {
-    for (const auto& issue : error.issues()) issues.add({}, place + issue.what, issue.why, issue.fix);
-  }
-}
-
 void check(const ValidateOptions& options, const Record& record, IssueList& issues) {
   constexpr Index fewest_samples = 4;  // two of a lead-in and two that count
   if (record.samples() < fewest_samples)
@@ -77,7 +67,7 @@ ValidationProblem problem_of(const Structure& structure, const Record& record, c
   issues.raise();
   const auto& problem = *made.problem;
   return {.structure = {problem.structure, problem.structure->parts, problem.sensors, problem.settings, {}},
-          .held_back = {.record = {of_sensors(record, options.sensors)},
+          .held_back = {.record = {record_of_sensors(record, options.sensors)},
                         .signals = problem.structure->signals,
                         .lead_in = options.lead_in.value_or(usual_lead_in * (record.end() - record.start)),
                         .from_rest = options.from_rest},

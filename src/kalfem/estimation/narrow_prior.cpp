@@ -13,8 +13,6 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double breadth = 20.0;  ///< standard deviations of the last pass: its bias lies within
-
 /// Places in the state of the unknowns whose prior is exchanged.
 std::vector<Index> narrowed(const AugmentedModel& augmented_model, const Gaussian& prior) {
   std::vector<Index> places;
@@ -94,7 +92,7 @@ Gaussian narrow_prior(const AugmentedModel& augmented_model, const EstimationRes
   Gaussian prior = augmented_model.prior();
   const VectorXd end = last.state.mean.col(last.state.mean.cols() - 1);
   for (const Index place : narrowed(augmented_model, prior)) {
-    const double variance = breadth * breadth * last.final_covariance(place, place);
+    const double variance = narrow_prior_breadth * narrow_prior_breadth * last.final_covariance(place, place);
     if (!(variance < prior.covariance(place, place))) continue;
     prior.mean[place] = end[place];
     prior.covariance(place, place) = variance;

@@ -5,11 +5,14 @@
 
 namespace kalfem {
 
-/// The prior of a further pass over the record: the constant unknowns at the last pass's estimates under some multiple
-/// of their deviations there, all else as stated. A filter spreads its sigma points as far as the prior does; about a
-/// wide one it learns its first samples through another model than the one that it ends with, and never forgets. A
-/// random walk, an unknown whose prior is correlated with the motion, and one that the record says little of keep their
-/// own.
+/// In standard deviations of the last pass, whose bias lies within.
+inline constexpr double narrow_prior_breadth = 20.0;
+
+/// The prior of a further pass over the record: the constant unknowns at the last pass's estimates, within
+/// narrow_prior_breadth of their deviations there, all else as stated. A filter spreads its sigma points as far as the
+/// prior does; about a wide one it learns its first samples through another model than the one that it ends with, and
+/// never forgets. A random walk, an unknown whose prior is correlated with the motion, and one that the record says
+/// little of keep their own.
 Gaussian narrow_prior(const AugmentedModel& augmented_model, const EstimationResult& last);
 
 /// Puts the stated prior N(m, P) of the constants in the place of the narrow one N(m', P') that the pass began with.

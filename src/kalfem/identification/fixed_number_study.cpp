@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "kalfem/base/parallel.hpp"
+#include "kalfem/estimation/narrow_prior.hpp"
 #include "kalfem/identification/runs_beside.hpp"
 #include "kalfem/identification/white_innovations.hpp"
 #include "kalfem/statistics/quantiles.hpp"
@@ -20,10 +21,9 @@ namespace {
 
 constexpr double most_memory = 1e9;  ///< of gains and derivatives [byte]
 constexpr std::size_t runs_at_once = 8;
-constexpr double narrow = 20.0;  ///< prior about the estimates, in their deviations
 constexpr double level = 0.001;  ///< of the test of all numbers together
 constexpr std::size_t most_confirmed = 3;
-constexpr double most_change = 0.5;   ///< in a number's scale, of a run with it
+constexpr double most_change = 0.5;    ///< in a number's scale, of a run with it
 constexpr double cost_of_mean = 0.1;  ///< filter steps that a step of the mean alone costs, about
 
 /// The problem with the unknowns beginning at the estimates, within 20 of their deviations: sigma points of a wide
@@ -39,7 +39,7 @@ EstimationProblemPtr about_estimates(const EstimationProblem& problem, const Rec
     if (unknown.random_walk > 0.0 || !(slope > 1e-6 * before)) continue;
     unknown.initial = value;
     const double own = estimate.result.unknowns.deviation(static_cast<Index>(i), last);
-    unknown.deviation = std::min(unknown.deviation * slope / before, narrow * own);
+    unknown.deviation = std::min(unknown.deviation * slope / before, narrow_prior_breadth * own);
   }
   about->settings.substeps = estimate.augmented_model->options().substeps;
   about->settings.passes = 1;

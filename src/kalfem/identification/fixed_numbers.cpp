@@ -11,9 +11,13 @@ namespace kalfem {
 
 namespace {
 
-constexpr std::array kinds{FixedNumberKind::mass, FixedNumberKind::stiffness, FixedNumberKind::damping,
-                           FixedNumberKind::law,  FixedNumberKind::gain,      FixedNumberKind::excitation,
-                           FixedNumberKind::delay};
+constexpr std::array<std::pair<FixedNumberKind, const char*>, 7> groups{{{FixedNumberKind::mass, "masses"},
+                                                                         {FixedNumberKind::stiffness, "stiffnesses"},
+                                                                         {FixedNumberKind::damping, "damping"},
+                                                                         {FixedNumberKind::law, "laws"},
+                                                                         {FixedNumberKind::gain, "gains"},
+                                                                         {FixedNumberKind::excitation, "excitations"},
+                                                                         {FixedNumberKind::delay, "delays"}}};
 
 /// The value of a parameter in the parts of this run, which an updating may have changed.
 double present_value(const StructureParts& parts, const Parameter& parameter) {
@@ -51,12 +55,7 @@ bool is_unknown_input(const EstimationSettings& settings, const std::string& nam
 }
 
 bool is_group(const std::string& name) {
-  return std::ranges::any_of(kinds, [&](FixedNumberKind kind) { return group_of(kind) == name; });
-}
-
-bool names(const KnownTo& stated, const FixedNumber& number) {
-  return stated.name == number.name || number.name.starts_with(stated.name + ".") ||
-         stated.name == group_of(number.kind);
+  return std::ranges::any_of(groups, [&](const auto& group) { return name == group.second; });
 }
 
 /// What is stated of a number: by the longest name, a group last; null where nothing is.
@@ -64,7 +63,7 @@ const KnownTo* stated_of(const std::vector<KnownTo>& all, const FixedNumber& num
   const KnownTo* best = nullptr;
   const auto rank = [](const KnownTo& each) { return is_group(each.name) ? std::size_t{0} : each.name.size(); };
   for (const auto& each : all)
-    if (names(each, number) && (!best || rank(each) > rank(*best))) best = &each;
+    if (is_named(number, each.name) && (!best || rank(each) > rank(*best))) best = &each;
   return best;
 }
 
@@ -87,23 +86,11 @@ void check_size(const KnownTo& stated, const std::string& path, IssueList& issue
 }  // namespace
 
 std::string group_of(FixedNumberKind kind) {
-  switch (kind) {
-    case FixedNumberKind::mass:
-      return "masses";
-    case FixedNumberKind::stiffness:
-      return "stiffnesses";
-    case FixedNumberKind::damping:
-      return "damping";
-    case FixedNumberKind::law:
-      return "laws";
-    case FixedNumberKind::gain:
-      return "gains";
-    case FixedNumberKind::excitation:
-      return "excitations";
-    case FixedNumberKind::delay:
-      return "delays";
-  }
-  return "";
+  return std::ranges::find(groups, kind, &std::pair<FixedNumberKind, const char*>::first)->second;
+}
+
+bool is_named(const FixedNumber& number, const std::string& name) {
+  return name == number.name || number.name.starts_with(name + ".") || name == group_of(number.kind);
 }
 
 std::set<std::string> estimated_parameters(const EstimationSettings& settings,
@@ -166,20 +153,19 @@ void check_known_to(const EstimationProblem& problem, const StructureParts& part
   const auto all = held_numbers(problem, parts, setup, {});
   const auto estimated = estimated_parameters(problem.settings, {});
   std::vector<std::string> known;
-  for (const auto kind : kinds) known.push_back(group_of(kind));
+  for (const auto& group : groups) known.emplace_back(group.second);
   for (const auto& number : all) known.push_back(number.name);
   for (const auto& stated : problem.settings.known_to) {
     const std::string path = "known_to." + stated.name;
     check_size(stated, path, issues);
-    const auto is_named = [&](const FixedNumber& number) { return names(stated, number); };
+    const auto is_named = [&](const FixedNumber& number) { return kalfem::is_named(number, stated.name); };
     if (estimated.contains(stated.name))
       issues.add(stated.location, path + ": it is estimated", "its prior says how well it is known",
                  "state `std` of this unknown, and remove it here");
     else if (std::ranges::none_of(all, is_named) && !is_group(stated.name))
       issues.add(stated.location, path + ": no fixed number has this name" + did_you_mean(stated.name, known), "",
                  "name a number as `sensitivity` of summary.json lists it, or one of masses, stiffnesses, damping, "
-                 "laws, gains, excitations, "
-                 "delays");
+                 "laws, gains, excitations, delays");
     const auto has_no_size = [&](const FixedNumber& number) {
       return is_named(number) && (number.is_delay() ? stated.name != number.name.substr(0, number.name.rfind('.'))
                                                     : number.scale == 0.0 && stated.name == number.name);

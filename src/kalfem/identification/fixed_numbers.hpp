@@ -31,6 +31,9 @@ struct FixedNumber {
   [[nodiscard]] bool is_delay() const { return kind == FixedNumberKind::delay; }
 };
 
+/// Whether a name of KnownTo fits the number: its own, that of its owner or part, or its group.
+bool is_named(const FixedNumber& number, const std::string& name);
+
 /// The parameters of a structure with their values in these parts, but for those in `estimated`.
 std::vector<Parameter> fixed_parameters(const StructureModel& structure, const StructureParts& parts,
                                         const std::set<std::string>& estimated);

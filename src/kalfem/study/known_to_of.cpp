@@ -13,9 +13,8 @@ std::vector<KnownTo> known_to_of(const Named<description::Value>& given, const E
   const auto numbers = held_numbers(problem, parts, setup, {});
   for (const auto& [name, value] : given) {
     KnownTo known{.name = name, .relative = value.value.per_cent, .location = value.location};
-    const auto of_name = std::ranges::find_if(numbers, [&](const FixedNumber& number) {
-      return number.name == name || number.name.starts_with(name + ".") || group_of(number.kind) == name;
-    });
+    const auto of_name =
+        std::ranges::find_if(numbers, [&](const FixedNumber& number) { return is_named(number, name); });
     try {
       known.deviation = known.relative || of_name == numbers.end()
                             ? value.value.value

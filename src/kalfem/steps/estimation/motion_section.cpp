@@ -77,7 +77,7 @@ Chart motion_chart(const Study& study, const EstimationOutcome& outcome, const P
   const auto [word, unit] = shown_quantity(point);
   const std::string title = word == "strain" ? "Strain at " : "Displacement of ";
   Chart chart = over_time(study, outcome, word + "-" + point.point, title + point.point, zoomed);
-  chart.caption = error_words(study, outcome, outcome.points, point);
+  chart.caption = error_words(outcome, outcome.points, point);
   chart.series = {with_band("estimate", point.mean, point.deviation, Role::estimate)};
   if (point.truth.size() > 0)
     chart.series.push_back({.label = "simulated", .y = series_values(point.truth), .role = Role::truth});
@@ -118,7 +118,7 @@ void add_motion(const Study& study, const EstimationOutcome& outcome, const Poin
 
 }  // namespace
 
-std::string error_words(const Study& study, const EstimationOutcome& outcome, const std::vector<PointQuantity>& points,
+std::string error_words(const EstimationOutcome& outcome, const std::vector<PointQuantity>& points,
                         const PointQuantity& point) {
   if (RestingPoints(points, outcome.settled).rests(point)) return "The simulated structure is at rest there.";
   if (!point.nrmse) return "";

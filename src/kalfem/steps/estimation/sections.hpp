@@ -21,7 +21,7 @@ Section parameters_section(const Study& study, const EstimationOutcome& outcome)
 Section motion_section(const Study& study, const EstimationOutcome& outcome);
 /// "NRMSE 0.31 % in the band of the excitation, 0.5 to 30 Hz; 59.9 % of the whole signal, after 2 s."
 /// Empty where the truth of the point is not known.
-std::string error_words(const Study& study, const EstimationOutcome& outcome, const std::vector<PointQuantity>& points,
+std::string error_words(const EstimationOutcome& outcome, const std::vector<PointQuantity>& points,
                         const PointQuantity& point);
 
 /// Every sensor: measured beside what the filter expected, innovations with their band, and their autocorrelation.

@@ -49,7 +49,7 @@ Section prediction_section(const Study& study, const EstimationOutcome& estimati
                 .half_width = true};
     if (point.truth.size() > 0)
       chart.series.push_back({.label = "simulated", .y = series_values(point.truth), .role = Role::truth});
-    chart.caption = error_words(study, estimation, outcome.points, point);
+    chart.caption = error_words(estimation, outcome.points, point);
     if (from < chart.x.back()) chart.x_window = AxisRange{from, std::min(from + study.report.zoom, chart.x.back())};
     section.items.emplace_back(std::move(chart));
   }
