@@ -23,7 +23,7 @@ constexpr double most_memory = 1e9;  ///< of gains and derivatives [byte]
 constexpr std::size_t runs_at_once = 8;
 constexpr double level = 0.001;  ///< of the test of all numbers together
 constexpr std::size_t most_confirmed = 3;
-constexpr double most_change = 0.5;    ///< in a number's scale, of a run with it
+constexpr double most_change = 0.5;   ///< in a number's scale, of a run with it
 constexpr double cost_of_mean = 0.1;  ///< filter steps that a step of the mean alone costs, about
 
 /// The problem with the unknowns beginning at the estimates, within 20 of their deviations: sigma points of a wide
