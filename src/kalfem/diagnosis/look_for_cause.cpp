@@ -3,23 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "kalfem/diagnosis/fixed_number_reasons.hpp"
 #include "kalfem/diagnosis/judge_estimation.hpp"
+#include "kalfem/verdict/reason_kinds.hpp"
 
 namespace kalfem {
 
 namespace {
 
-/// Whether a mistake may be behind a reason. None is where a sensor's fault was found and left out, none is where the
-/// record holds little about an unknown, nor where noise is stated too large, which the reason says itself.
 bool has_a_cause(const Reason& reason) {
-  static const std::set<std::string> by_themselves{
-      "not_identified", "correlated",       "combination",          "noise_too_large",
-      "at_bound",       "step_too_coarse",  "record_too_short",     "sensor_dead",
-      "sensor_stuck",   "sensor_saturated", "process_noise_decides"};
-  return !by_themselves.contains(reason.code);
+  const auto* kind = kind_of_reason(reason.code);
+  return !kind || kind->has_a_cause;
 }
 
 /// Outliers that were found give a reason, and their samples count little already.

@@ -41,9 +41,9 @@ Table tested_table(const Diagnosis& diagnosis) {
 
 /// Every reason that the verdict has, worst first, with what to do, and which causes were tested.
 Section verdict_section(const StudyResults& results) {
-  Table table{"Reasons, worst first", {"of", "found", "to do"}, {}, {}};
+  Table table{"Reasons, worst first", {"of", "found", "to do", "rule"}, {}, {}};
   for (const auto& reason : results.verdict.reasons())
-    table.rows.push_back({reason.subject, reason.text, reason.remedy});
+    table.rows.push_back({reason.subject, reason.text, reason.remedy, reason.code});
   Section section{"Reasons for doubt", "", {table}};
   if (const auto* estimation = results.find<EstimationOutcome>(); estimation && estimation->diagnosis) {
     const auto& diagnosis = *estimation->diagnosis;

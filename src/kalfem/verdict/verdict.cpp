@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <utility>
+
+#include "kalfem/verdict/reason_kinds.hpp"
 
 namespace kalfem {
 
@@ -21,6 +24,11 @@ std::string to_string(VerdictState state) {
 
 std::string sentence_of(const Reason& reason) {
   return reason.remedy.empty() ? reason.text : reason.text + "; " + reason.remedy;
+}
+
+void Verdict::add(Reason reason) {
+  reason.state = allowed_state(reason.code, reason.state);
+  reasons_.push_back(std::move(reason));
 }
 
 VerdictState Verdict::state() const {

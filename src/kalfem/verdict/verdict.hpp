@@ -29,8 +29,11 @@ std::string sentence_of(const Reason& reason);
 /// What the numbers say about themselves. Consistent without any reason.
 class Verdict {
 public:
-  void add(Reason reason) { reasons_.push_back(std::move(reason)); }
-  void add(const std::vector<Reason>& reasons) { reasons_.insert(reasons_.end(), reasons.begin(), reasons.end()); }
+  /// Its state is held to what the rule of its code can lead to, see reason_kinds().
+  void add(Reason reason);
+  void add(const std::vector<Reason>& reasons) {
+    for (const auto& reason : reasons) add(reason);
+  }
 
   /// That of the worst reason.
   [[nodiscard]] VerdictState state() const;
