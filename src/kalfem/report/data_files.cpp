@@ -22,7 +22,11 @@ std::string sha256_of(const fs::path& file) {
   if (!digest || EVP_DigestInit_ex(digest.get(), EVP_sha256(), nullptr) != 1) return "";
   try {
     const MappedFile mapped(file);
-    EVP_DigestUpdate(digest.get(), mapped.bytes().data(), mapped.bytes().size());
+    constexpr std::size_t at_once = 16 << 20;
+    for (auto rest = mapped.bytes(); !rest.empty(); rest.remove_prefix(std::min(at_once, rest.size()))) {
+      mapped.release_before(rest.data());
+      EVP_DigestUpdate(digest.get(), rest.data(), std::min(at_once, rest.size()));
+    }
   } catch (const InvalidInput&) {
     return "";
   }
