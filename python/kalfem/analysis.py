@@ -37,7 +37,7 @@ def estimate(
     initial_state: Mapping[str, Mapping[str, Any]] | None = None,
     process_noise: float | str = 0.0,
     substeps: int | None = None,
-    step_order: int = 2,
+    step_order: int = 4,
     settle: float | None = None,
     initial_state_from_record: bool = False,
     estimate_initial_state: bool = False,
@@ -76,11 +76,11 @@ def estimate(
     process_noise : float or str
         White acceleration on every degree of freedom [m/s^2/sqrt(Hz)].
     substeps : int, optional
-        Of a sample interval, for the connectors' forces. If it is not given, as many as the estimates need are found by
-        a second run over the record.
+        Of a sample interval, for the connectors' forces. If it is not given, as many as the estimates need are found: by
+        the first run where two are enough, otherwise by further ones.
     step_order : int
-        2 or 4: of the filter's step over a substep. With 4 the connectors' forces are quadratic over it, which costs twice
-        as much and needs far fewer substeps where the laws are smooth.
+        4 or 2: of the filter's step over a substep. With 4 the connectors' forces are quadratic over it; with 2 they are
+        linear, at half the cost.
     settle : float, optional
         Time from which on innovations count in the verdict [s]. If it is not given: at once where the motion at the
         start is known, otherwise by the decay of the slowest mode, at the latest after a tenth of the record.

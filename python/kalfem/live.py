@@ -38,7 +38,7 @@ class Filter(core.Filter):
     sample_rate : float
         [Hz].
     sensors, unknown, outputs, filter, initial_state, process_noise, substeps, step_order, threads
-        As :func:`kalfem.estimate` has them; `substeps` is 8 if it is not given.
+        As :func:`kalfem.estimate` has them; `substeps` is 4 if it is not given.
     start : float
         Time of the first sample of `push` [s].
     horizon : float
@@ -82,7 +82,7 @@ class Filter(core.Filter):
         initial_state: Mapping[str, Mapping[str, Any]] | None = None,
         process_noise: float | str = 0.0,
         substeps: int | None = None,
-        step_order: int = 2,
+        step_order: int = 4,
         threads: int = 0,
         start: float = 0.0,
         horizon: float = 10.0,

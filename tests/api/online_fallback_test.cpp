@@ -25,7 +25,8 @@ Structure nearly_defective_pair() {
 EstimateOptions precise_sensor_and_unknown_start() {
   return {.sensors = {{"x", acceleration("s.b"), 1e-6}},
           .unknowns = {{"n.k3", {.initial = 500.0, .std = 300.0}}},
-          .initial_state = {{"all", {.displacement_std = 10.0, .velocity_std = 1e-6}}}};
+          .initial_state = {{"all", {.displacement_std = 10.0, .velocity_std = 1e-6}}},
+          .step_order = 2};
 }
 
 TEST(OnlineFilter, GoesOnInPhysicalCoordinatesWhereRoundingSpoilsTheModalOnes) {

@@ -147,9 +147,9 @@ TEST(Substeps, StateTheBiasThatIsLeft) {
 }
 
 /// Without an unknown nothing is there whose bias could be measured.
-TEST(Substeps, AreFourWithoutUnknowns) {
+TEST(Substeps, AreTwoWithoutUnknowns) {
   const auto result = estimate(driven_chain(), chain_record(), {.sensors = chain_sensors()});
-  EXPECT_EQ(result.substeps, 4);
+  EXPECT_EQ(result.substeps, 2);
   EXPECT_EQ(result.substep_bias.size(), 0);
 }
 

@@ -340,16 +340,16 @@ void sums_begin_after_settling() {
 }
 
 void order_of_the_step() {
-  EXPECT_EQ(options_of(with_estimate(stiffness_unknown)).step_order, 2);
-  EXPECT_EQ(options_of(with_estimate(stiffness_unknown + ", step_order: 4")).step_order, 4);
-  const auto study = with_estimate(stiffness_unknown + ", substeps: 7, step_order: 4");
+  EXPECT_EQ(options_of(with_estimate(stiffness_unknown)).step_order, 4);
+  EXPECT_EQ(options_of(with_estimate(stiffness_unknown + ", step_order: 2")).step_order, 2);
+  const auto study = with_estimate(stiffness_unknown + ", substeps: 7");
   const auto results = run(study, "simulate");  // inputs in the middle of each part too
   EXPECT_EQ(make_filter_run(study.problem, *study.augmented_model, record_of(study, results)).input.inputs.cols(), 701);
   EXPECT_THROW(with_estimate(stiffness_unknown + ", step_order: 3"), InvalidInput);
 }
 
 void parts_of_an_interval() {
-  const auto study = with_estimate(stiffness_unknown + ", substeps: 7");
+  const auto study = with_estimate(stiffness_unknown + ", substeps: 7, step_order: 2");
   EXPECT_EQ(options_of(study).substeps, 7);
   near(options_of(study).step, 0.01);
   EXPECT_EQ(study.problem->settings.substeps, 7);

@@ -95,7 +95,8 @@ TEST(InferenceOfACase, MethodsAgree) {
       EXPECT_NEAR(two.deviation / one.deviation, 1.0, 0.25) << method << " " << one.name;
     }
     if (method != "metropolis") {
-      EXPECT_NEAR(*other.log_evidence, *importance.log_evidence, 0.4) << method;
+      // Two hundred tempered samples know it to about 0.3.
+      EXPECT_NEAR(*other.log_evidence, *importance.log_evidence, method == "tempered" ? 0.9 : 0.4) << method;
     }
   }
 }

@@ -34,7 +34,7 @@ TEST_F(OpenLoop, ThatDivergesIsAnOutcome) {
     return load({{"excitation:", "connectors:\n  c: {from: s.ground, to: s.m, law: expression, force: '" + force +
                                      "', parameters: {d: 1}}\nexcitation:"},
                  {"s.k.stiffness: {initial: 760 N/m, std: 20 %}", "c.d: {initial: 1, std: 1e-6}"},
-                 {"settle: 0.5 s", "settle: 0.5 s\n  process_noise: {acceleration: 30}"}});
+                 {"settle: 0.5 s", "settle: 0.5 s\n  step_order: 2\n  process_noise: {acceleration: 30}"}});
   };
   // Growth without bound, a softening spring that gives way, and steps too coarse to see the growth in full.
   // The last is so far from the record that its estimates contradict their prior as well.

@@ -19,8 +19,10 @@ const std::string oscillator = cubic_oscillator + R"(estimate:
   second_thoughts: full
 )";
 
+std::string of_second_order() { return changed(oscillator, "settle: 0.2 s", "settle: 0.2 s\n  step_order: 2"); }
+
 TEST(SubstepsOfACase, AreChosenAndReported) {
-  const Study study = study_of(oscillator);
+  const Study study = study_of(of_second_order());
   const auto results = run_study(study, "estimate");
   ASSERT_TRUE(results.complete()) << results.failure;
   const auto summary = summarise(study, results)["estimation"];
@@ -33,6 +35,15 @@ TEST(SubstepsOfACase, AreChosenAndReported) {
   EXPECT_NE(text.find("'c.k3'"), std::string::npos) << text;
 }
 
+TEST(SubstepsOfACase, AreFewByDefault) {
+  const Study study = study_of(oscillator);
+  const auto results = run_study(study, "estimate");
+  const auto summary = summarise(study, results)["estimation"];
+  EXPECT_LE(summary["substeps"].get<int>(), 4);
+  const std::string text = console_report(study, results);
+  EXPECT_NE(text.find("substeps per sample, each of fourth order, chosen"), std::string::npos) << text;
+}
+
 TEST(SubstepsOfACase, AreTakenAsStated) {
   const Study study = study_of(changed(oscillator, "settle: 0.2 s", "settle: 0.2 s\n  substeps: 2"));
   const auto results = run_study(study, "estimate");
@@ -40,7 +51,7 @@ TEST(SubstepsOfACase, AreTakenAsStated) {
   EXPECT_EQ(summary["substeps"], 2);
   EXPECT_EQ(summary["substeps_chosen"], false);
   EXPECT_FALSE(summary.contains("substep_bias"));
-  EXPECT_NE(console_report(study, results).find("2 substeps per sample, as stated"), std::string::npos);
+  EXPECT_NE(console_report(study, results).find("2 substeps per sample, each of fourth order, as stated"), std::string::npos);
   for (const std::string& wrong : {"0", "129", "many"})
     EXPECT_NE(problems_of(changed(oscillator, "settle: 0.2 s", "settle: 0.2 s\n  substeps: " + wrong))
                   .find("estimate.substeps"),

@@ -18,6 +18,7 @@ std::string stiff_case(const std::string& filter) {
   unknown: {c.k3: {initial: 2e11, std: 500 %}}
   substeps: 1
   settle: 0.02 s
+  step_order: 2
   diagnose: false
 )";
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <memory>
 #include <vector>
 
 #include "base/figures.hpp"
@@ -85,6 +86,67 @@ TEST_P(PaperChainOverSeeds, TruthLiesInTheStatedIntervals) {
 
 INSTANTIATE_TEST_SUITE_P(Filters, PaperChainOverSeeds,
                          testing::Values(FilterKind::unscented, FilterKind::partially_linear));
+
+/// Estimates at the record's end with a step of order 4 in so many parts.
+struct ChainEstimate {
+  double mean[2], deviation[2];
+};
+
+class ChainInParts {
+public:
+  explicit ChainInParts(int parts) {
+    auto options = chain_.options(TransformKind::none, Chain::rate);
+    options.substeps = parts;
+    options.step_order = 4;
+    options.coordinates = StateCoordinates::modal;
+    instants_ = options.instants();
+    model_ = std::make_unique<AugmentedModel>(chain_.model.system(), chain_.sensors, std::vector<MeasurementChain>{},
+                                              options);
+  }
+
+  [[nodiscard]] ChainEstimate estimate_of(FilterInput record) const {
+    record.inputs = chain_.inputs(instants_ * Chain::rate, instants_ * (record.measured.samples() - 1) + 1);
+    const auto result = estimate(*model_, record, {.filter = FilterKind::partially_linear, .state_deviations = false});
+    EXPECT_FALSE(result.failure);
+    const auto& [mean, deviation] = result.unknowns;
+    const auto last = mean.cols() - 1;
+    return {{mean(0, last), mean(1, last)}, {deviation(0, last), deviation(1, last)}};
+  }
+
+private:
+  Chain chain_;
+  int instants_ = 0;
+  std::unique_ptr<AugmentedModel> model_;
+};
+
+// The bias of one and two parts, from the estimates of eight on the same records (the bias falls by at least eight
+// where parts double), and intervals at both.
+TEST(StepOfOrderFourOverSeeds, LeavesLittleBiasInTheChain) {
+  const Chain chain;
+  const auto reference = chain.reference(20.0, Chain::rate);
+  const double truth[] = {Chain::mu_k1, Chain::mu_c1};
+  const ChainInParts fine(8), in_parts[] = {ChainInParts(1), ChainInParts(2)};
+  const int seeds = 200;
+  double difference[2][2] = {};
+  int covered[2] = {};
+  for (int seed = 1; seed <= seeds; ++seed) {
+    const auto record = Chain::record(reference, std::uint64_t(seed));
+    const auto exact = fine.estimate_of(record);
+    for (int n = 0; n < 2; ++n) {
+      const auto found = in_parts[n].estimate_of(record);
+      for (int i = 0; i < 2; ++i) {
+        difference[n][i] += (found.mean[i] - exact.mean[i]) / exact.deviation[i] / seeds;
+        covered[n] += std::abs(found.mean[i] - truth[i]) <= 1.96 * found.deviation[i] ? 1 : 0;
+      }
+    }
+  }
+  for (int n = 0; n < 2; ++n) {
+    std::cout << n + 1 << " parts of order 4: mean difference " << difference[n][0] << " and " << difference[n][1]
+              << " deviations, truth inside " << covered[n] << " of 400 intervals\n";
+    for (const double each : difference[n]) EXPECT_LT(std::abs(each), n == 0 ? 0.2 : 0.1);
+    EXPECT_LE(std::abs(covered[n] - 380), 11);  // the 99 % range of 400 with .95
+  }
+}
 
 // Noise that is correlated in time, which the filter takes for white: the stated deviations are too small, and the
 // robust ones are those that the estimates scatter by over records.

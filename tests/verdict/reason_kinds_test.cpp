@@ -10,6 +10,8 @@
 #include <sstream>
 #include <string>
 
+#include "base/places.hpp"
+
 namespace kalfem {
 namespace {
 
@@ -39,7 +41,7 @@ std::set<std::string> codes_in_table() {
 
 /// Codes of the reasons that the sources form.
 std::set<std::string> codes_in_sources() {
-  const std::filesystem::path source = std::string(KALFEM_SOURCE_DIR) + "/src/kalfem";
+  const std::filesystem::path source = test::source_folder() + "/src/kalfem";
   std::vector<std::filesystem::path> files{source / "api/update.cpp", source / "steps/run_verdict.cpp"};
   for (const char* folder : {"verdict", "diagnosis"})
     for (const auto& entry : std::filesystem::directory_iterator(source / folder)) files.push_back(entry.path());
@@ -65,7 +67,7 @@ TEST(ReasonKinds, HoldEveryCodeThatTheSourcesForm) {
 }
 
 TEST(ReasonKinds, AreTheTablesOfTheDocumentation) {
-  const std::string page = text_of(std::string(KALFEM_SOURCE_DIR) + "/docs/verdict.md");
+  const std::string page = text_of(test::source_folder() + "/docs/verdict.md");
   std::string rules, mistakes;
   for (const auto& kind : reason_kinds()) rules += row_of(kind);
   for (const auto& kind : mistake_kinds())

@@ -48,13 +48,13 @@ struct EstimateOptions {
   double process_noise = 0.0;             ///< white acceleration on every degree of freedom [m/s^2/sqrt(Hz)]
   std::optional<FilterKind> filter = {};  ///< if empty, the structure decides
   /// Of a sample interval, for the connectors' forces. Empty: estimate() takes as many as the estimates need, which
-  /// costs a second run over the record; an OnlineFilter, which has no record, takes 8. EstimateResult::substeps of a
-  /// recorded piece is the number for it.
+  /// costs a second run over the record where two are not clearly enough; an OnlineFilter, which has no record, takes
+  /// 4. EstimateResult::substeps of a recorded piece is the number for it.
   std::optional<int> substeps = {};
   /// Of the filter's step over each substep, 2 or 4. With 2 the connectors' forces are linear over it; with 4
   /// quadratic, at twice the cost and with an error that falls with the fourth power of the substeps where the laws are
   /// smooth.
-  int step_order = 2;
+  int step_order = 4;
   int threads = 0;  ///< 0: one per processor; results do not depend on it
 
   // Of a whole record; an OnlineFilter refuses them.

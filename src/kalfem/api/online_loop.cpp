@@ -31,10 +31,11 @@ Structure with_signals(const Structure& structure) {
   return Structure(description);
 }
 
-/// With substeps where none are given: on hours of samples, four leave a bias of a few standard deviations.
+/// With substeps where none are given: on hours of samples, forces at four instants leave a bias of a few standard
+/// deviations.
 EstimateOptions with_substeps(const EstimateOptions& options) {
   EstimateOptions online = options;
-  if (!online.substeps) online.substeps = 8;
+  if (!online.substeps) online.substeps = online.step_order == 4 ? 4 : 8;
   return online;
 }
 

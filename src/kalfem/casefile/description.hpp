@@ -205,7 +205,7 @@ struct Estimation {
   bool estimate_initial_state = false;
   int passes = 1;
   std::optional<int> substeps;               ///< if empty, the estimates decide
-  std::optional<Located<int>> step_order;    ///< of the step over each; if empty, 2
+  std::optional<Located<int>> step_order;    ///< of the step over each; if empty, 4
   int threads = 0;                           ///< 0: one per processor
   std::optional<OutlierTreatment> outliers;  ///< if empty, robust where a run shows outliers
   bool diagnose = true;

@@ -25,7 +25,7 @@ bool is_of_event(const Reason& reason, const RecordEstimate& estimate) {
 }
 
 /// Of a sample interval in the trials of a diagnosis: mistakes are larger than what finer steps add.
-constexpr int most_trial_substeps = 8;
+constexpr int most_trial_substeps = 4;
 
 /// Of the NIS over what is expected: no step alone makes innovations ten times too large.
 constexpr double beyond_steps = 100.0;

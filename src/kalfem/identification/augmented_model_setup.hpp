@@ -32,7 +32,7 @@ struct LinearUnknowns {
 
 /// How finely a filter's model divides a sample interval, and what the division leaves in the estimates.
 struct SubstepChoice {
-  int substeps = 4;
+  int substeps = 2;
   bool chosen = false;  ///< by the program, from the estimates; otherwise the caller gave it
   /// |bias| of each unknown's estimate that is left, in its standard deviations; empty: not measured.
   Eigen::VectorXd bias = {};

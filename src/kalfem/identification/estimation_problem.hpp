@@ -136,7 +136,7 @@ struct EstimationSettings {
   int passes = 1;                       ///< over the record, each from the estimate of the one before
   /// Of a sample interval, for the connectors' forces; empty: as many as the estimates need, see choose_substeps().
   std::optional<int> substeps = {};
-  int step_order = 2;  ///< of the step over each, 2 or 4: AugmentedModelOptions::step_order
+  int step_order = 4;  ///< of the step over each, 2 or 4: AugmentedModelOptions::step_order
   int threads = 0;     ///< 0: one per processor
   /// What the updates do with outliers, and, unless they keep them, a search for dead, stuck and saturated sensors;
   /// nothing: robust where a run shows outliers, see run_screened_filter().

@@ -23,7 +23,7 @@ using Eigen::VectorXd;
 namespace {
 
 /// Of a sample interval in the search for a jump: what finer steps add is smaller than the jumps that are told.
-constexpr int most_jump_substeps = 8, limited_jump_substeps = 2;
+constexpr int most_jump_substeps = 4, limited_jump_substeps = 1;
 constexpr int few_passes = 2, more_passes = 4;  ///< from a contradictory run's own estimates
 /// Statistic of the scores: a step that is too coarse biases estimates alike throughout a record.
 constexpr double change_beyond_steps = 100.0;
@@ -128,7 +128,7 @@ EstimationOptions filter_options(const EstimationProblem& problem, const Augment
           .state_deviations = false,
           .deviation_stride = options.deviation_stride,
           .keep_unknowns = true,
-          .step_shift = settings.step_order == 4 && !settings.substeps && !setup.substeps && settings.passes == 1,
+          .step_shift = can_judge_step(settings) && !settings.substeps && !setup.substeps,
           .adaptive_noise = settings.adaptive_noise,
           .monitored = with_inputs(make_outputs(*setup.model, options.monitored),
                                    held_by(settings.unknown_inputs, setup), *setup.model),

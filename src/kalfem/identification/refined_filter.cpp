@@ -99,6 +99,8 @@ FilteredRecord run_with(const EstimationProblemPtr& problem, AugmentedModelSetup
 
 }  // namespace
 
+bool can_judge_step(const EstimationSettings& settings) { return settings.step_order == 4 && settings.passes == 1; }
+
 std::optional<SubstepChoice> judge_within_run(const AugmentedModelSetup& setup, const EstimationResult& run,
                                               const SubstepOptions& substeps) {
   const MatrixXd& shift = run.step_shift;
@@ -189,7 +191,9 @@ RefinedFilter run_refined_from(const SubstepOptions& substeps, const EstimationP
   const RunWithSubsteps run = [&](int count) { return run_with(problem, setup, record, options, count); };
   if (const auto given = problem->settings.substeps) return {run(*given), {.substeps = *given, .words = "given"}};
   if (setup.substeps) return {run(setup.substeps->substeps), *setup.substeps};
-  FilteredRecord first = run(substeps.first);
+  EstimationOptions judged = options;
+  judged.step_shift = can_judge_step(problem->settings);
+  FilteredRecord first = run_with(problem, setup, record, judged, substeps.first);
   if (first.result.failure) {
     SubstepOptions from_there = substeps;
     from_there.first *= substeps.rescue;

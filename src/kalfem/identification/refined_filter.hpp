@@ -24,6 +24,9 @@ struct SubstepOptions {
   double most_input_values = 1e8;  ///< numbers of the inputs at all substeps of the record
 };
 
+/// Whether a run can be asked for EstimationOptions::step_shift.
+bool can_judge_step(const EstimationSettings& settings);
+
 /// What the embedded step of order 2 would shift in the estimates of a run with a step of order 4
 /// (EstimationResult::step_shift), as their bias, where that is small already: the step itself errs by less. Nothing
 /// otherwise; then only a comparison tells.
@@ -64,8 +67,8 @@ struct RefinedFilter {
 };
 
 /// run_filter() with the substeps of the settings, with those decided before (AugmentedModelSetup::substeps), or with
-/// as many as the estimates need: one run more over the record, with 2, where 4 are enough. A number that is given is
-/// not checked, as that would cost the run that it saves.
+/// as many as the estimates need: the first run tells where two are enough, otherwise a run with half of them. A number
+/// that is given is not checked, as that would cost the run that it saves.
 RefinedFilter run_refined_filter(const EstimationProblemPtr& problem, AugmentedModelSetup setup, const Record& record,
                                  const EstimationOptions& options);
 

@@ -26,7 +26,7 @@ namespace {
 constexpr std::size_t most_best = 20;
 
 /// Substeps bias estimates, and these are known here: their deviations hardly depend on the step.
-constexpr int enough_for_deviations = 8;
+constexpr int enough_for_deviations = 8;  // instants of the connectors' forces
 
 EstimationProblemPtr problem_with(const PlacementProblem& placement, const Set& set) {
   std::vector<CandidateSensor> sensors;
@@ -39,7 +39,7 @@ EstimationProblemPtr problem_with(const PlacementProblem& placement, const Set& 
   settings.outliers = OutlierTreatment::keep;
   settings.diagnose = settings.smooth = false;
   settings.threads = 1;
-  if (!settings.substeps) settings.substeps = enough_for_deviations;
+  if (!settings.substeps) settings.substeps = 2 * enough_for_deviations / settings.step_order;
   return std::make_shared<const EstimationProblem>(std::move(problem));
 }
 

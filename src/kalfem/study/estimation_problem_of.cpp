@@ -228,7 +228,7 @@ EstimationProblem make_estimation_problem(const CaseStudy& study, IssueList& iss
                       .estimate_initial_state = given.estimate_initial_state,
                       .passes = given.passes,
                       .substeps = given.substeps,
-                      .step_order = given.step_order ? given.step_order->value : 2,
+                      .step_order = given.step_order ? given.step_order->value : 4,
                       .threads = given.threads,
                       .outliers = given.outliers,
                       .diagnose = given.diagnose,

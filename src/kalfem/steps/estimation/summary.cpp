@@ -201,6 +201,7 @@ Json estimation_summary(const EstimationOutcome& outcome) {
                   {"innovation_correlation", correlations},
                   {"innovations", innovations_summary(outcome, sensors)}};
   summary["substeps"] = outcome.substeps.substeps;
+  summary["step_order"] = outcome.augmented_model->options().step_order;
   summary["substeps_chosen"] = outcome.substeps.chosen;
   if (outcome.substeps.bias.size() > 0) summary["substep_bias"] = substep_biases(outcome);
   summary["start"] = {{"moving", outcome.start.moving}, {"reason", explain(outcome.start)}};
