@@ -19,7 +19,7 @@ TEST(OnlineFilter, GivesWhatAWholeRunOverTheRecordGives) {
   for (Eigen::Index k = 0; k < record.samples(); ++k) {
     if (k > 0) ASSERT_TRUE(filter.predict());
     ASSERT_TRUE(filter.update(record.values.col(k)));
-    if (std::isfinite(expected.nis[k])) ASSERT_NEAR(filter.nis(), expected.nis[k], 1e-8 * expected.nis[k] + 1e-12);
+    if (std::isfinite(expected.nis[k])) ASSERT_NEAR(filter.nis(), expected.nis[k], 1e-8 * (1.0 + expected.nis[k]));
   }
   const auto& parameter = expected.parameters[0];
   EXPECT_NEAR(filter.parameter("suspension.mu_k1").mean, parameter.mean, 1e-9 * parameter.mean);

@@ -195,8 +195,9 @@ private:
     std::vector<ChangeTrial> trials = first_trials(levels, clear);
     if (trials.empty()) return std::nullopt;
     if (limited_) {
-      trials_.follow_onset(trials.front(), stretch_);
-      if (excess_left(contradiction(trials.front().result), contradiction(constant)) > most_left) return std::nullopt;
+      auto best = explaining(std::move(trials.front()), constant);
+      if (!best) return std::nullopt;
+      trials.front() = *std::move(best);
     }
     ChangeTrial best;
     for (std::size_t i = 0; i < std::min(trials.size(), limited_ ? 1 : most_placed); ++i) {
@@ -236,6 +237,26 @@ private:
     for (auto& trial : trials)
       if (std::ranges::find(best, trial.unknown, &ChangeTrial::unknown) == best.end()) best.push_back(std::move(trial));
     return best;
+  }
+
+  /// The likeliest change, if it leaves no more than half of the contradiction: the first of the trials, otherwise one of
+  /// any unknown near where innovations become too large.
+  std::optional<ChangeTrial> explaining(ChangeTrial first, const EstimationResult& constant) {
+    const auto leaves_most = [&](const ChangeTrial& trial) {
+      return excess_left(contradiction(trial.result), contradiction(constant)) > most_left;
+    };
+    trials_.follow_onset(first, stretch_);
+    if (!leaves_most(first)) return first;
+    const Index of_first = first.unknown, place = first.sample;
+    ChangeTrial best = std::move(first);
+    for (Index unknown = 0; unknown < std::ssize(unknowns_) && !trials_.stopped(); ++unknown) {
+      if (unknown == of_first) continue;
+      ChangeTrial trial = trials_.with_change(unknown, place);
+      if (trials_.stopped()) break;
+      trials_.follow_onset(trial, stretch_);
+      if (trial.log_likelihood() > best.log_likelihood()) best = std::move(trial);
+    }
+    return leaves_most(best) ? std::nullopt : std::optional(std::move(best));
   }
 
   /// The change with its gain, where it is significant and leaves no more than half of the contradiction.

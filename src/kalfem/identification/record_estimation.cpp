@@ -29,6 +29,7 @@ constexpr int few_passes = 2, more_passes = 4;  ///< from a contradictory run's 
 constexpr double change_beyond_steps = 100.0;
 /// Mean NIS over what is expected: a run that contradicts itself, and by how much rest must be better.
 constexpr double contradicting_nis = 2.0, far_less = 0.5;
+constexpr Index first_samples = 20;  ///< by which a start is told from spikes, and more
 
 /// Takes the rows of unknown inputs, which stand behind the monitored quantities.
 std::vector<EstimatedInput> take_inputs(const std::vector<UnknownInput>& inputs, EstimatedSeries& monitored) {
@@ -99,12 +100,12 @@ bool start_is_read_off(const RecordStart& start, const AugmentedModelSetup& setu
   return start.moving && !setup.starts_at_rest && record.start <= 0.0 && !states_initial_motion(settings);
 }
 
-/// Mean NIS over what is expected of it; infinite where the filter stopped.
-double relative_nis(const FilteredRecord& filtered) {
+/// Mean NIS from a sample on, over what is expected of it; infinite where the filter stopped.
+double relative_nis(const FilteredRecord& filtered, Index first = 0) {
   const auto& result = filtered.result;
   if (result.failure) return std::numeric_limits<double>::infinity();
   const auto found =
-      summarise_consistency(result.nis, result.measured, result.innovation, filtered.run.input.measured.noise(), 0);
+      summarise_consistency(result.nis, result.measured, result.innovation, filtered.run.input.measured.noise(), first);
   return found.mean_nis / found.expected_nis;
 }
 
@@ -210,13 +211,14 @@ void RecordEstimation::run_first() {
   evaluate(std::move(filtered), std::move(choice));
 }
 
-/// The filter from rest, which stays where it contradicts itself far less.
+/// The filter from rest, which stays where it contradicts itself far less behind the first samples, as spikes among
+/// these may be all that looks like motion.
 void RecordEstimation::try_rest(FilteredRecord& filtered, int substeps) {
   AugmentedModelSetup from_rest = setup_;
   from_rest.starts_at_rest = true;
   Screening screening(problem_, from_rest, record_, filter_options(*problem_, setup_, options_));
   FilteredRecord at_rest = screening.run(substeps);
-  const bool better = relative_nis(at_rest) < far_less * relative_nis(filtered);
+  const bool better = relative_nis(at_rest, first_samples) < far_less * relative_nis(filtered, first_samples);
   other_steps_ += better ? screening_->steps() : screening.steps();
   if (!better) return;
   setup_ = std::move(from_rest);
@@ -302,6 +304,7 @@ void RecordEstimation::look_for_jump(StepBudget& budget) {
   looked_for_change_ = true;
   EstimationOptions options = screening_->options();
   options.filter = run.choice.filter;
+  options.step_shift = false;
   const auto search = find_parameter_jump(*run.choice.augmented_model, run.input, options, estimate_.result,
                                           estimate_.settled, static_cast<double>(record_.samples()) * substeps, budget);
   if (search.stopped) estimate_.leave_out("a change of an unknown within the record");
