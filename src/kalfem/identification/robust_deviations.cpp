@@ -31,7 +31,7 @@ bool widens(const RecordEstimate& estimate) {
   return false;
 }
 
-constexpr int records = 99;
+constexpr int records = 299;
 
 /// The derivatives of the innovations that are there, p x sensors a sample.
 std::vector<MatrixXd> slopes_of(const SensitiveInnovations& innovations) {
@@ -45,11 +45,13 @@ std::vector<MatrixXd> slopes_of(const SensitiveInnovations& innovations) {
 }
 
 /// How far robust_covariance() widens the deviations of a right model by chance: the largest factor of each parameter
-/// over 99 records in which the innovations are white and of size one, with the derivatives of this record, so that it
-/// is exceeded once in a hundred times. Where a record says little of a parameter, its score is a small difference of
+/// over 299 records in which the innovations are white and of size one, with the derivatives of this record, so that it
+/// is exceeded once in three hundred times; or over as many as it takes until every factor that matters of those that
+/// were `found` is exceeded. Where a record says little of a parameter, its score is a small difference of
 /// large ones, and the scatter of these along time is itself hardly known. The numbers are drawn from one seed: the
 /// same record gives the same factors. `prior`: the information of the prior, p x p.
-VectorXd widening_by_chance(const SensitiveInnovations& innovations, const Eigen::Ref<const MatrixXd>& prior) {
+VectorXd widening_by_chance(const SensitiveInnovations& innovations, const Eigen::Ref<const MatrixXd>& prior,
+                            const VectorXd& found) {
   const auto slopes = slopes_of(innovations);
   const Index count = prior.rows(), samples = std::ssize(slopes), sensors = innovations.value.rows();
   MatrixXd information = prior;
@@ -61,7 +63,10 @@ VectorXd widening_by_chance(const SensitiveInnovations& innovations, const Eigen
         (covariance * slopes[static_cast<std::size_t>(k)]).rowwise().squaredNorm().cwiseQuotient(covariance.diagonal());
   RandomStream random(1, "widening by chance");
   VectorXd largest = VectorXd::Ones(count), innovation(sensors);
-  for (int record = 0; record < records; ++record) {
+  const auto exceeds_all = [&] {
+    return (found.array() < suspicious_widening || largest.array() >= found.array()).all();
+  };
+  for (int record = 0; record < records && !exceeds_all(); ++record) {
     for (Index k = 0; k < samples; ++k) {
       for (double& value : innovation) value = random.normal();
       scores.col(k) = -slopes[static_cast<std::size_t>(k)] * innovation;
@@ -78,12 +83,13 @@ void forgive_chance(RecordEstimate& estimate) {
   const auto& history = estimate.result.unknowns_history;
   const auto innovations = sensitive_innovations(history, estimate.settled);
   if (innovations.derivative.empty()) return;
-  const VectorXd chance = widening_by_chance(innovations, prior_score(history).information);
-  for (Index i = 0; i < chance.size(); ++i) {
-    const double found = widening_of(estimate, i);
-    if (found < suspicious_widening || found > chance[i]) continue;
-    estimate.robust.covariance.row(i) /= found;
-    estimate.robust.covariance.col(i) /= found;
+  VectorXd found(estimate.robust.covariance.rows());
+  for (Index i = 0; i < found.size(); ++i) found[i] = widening_of(estimate, i);
+  const VectorXd chance = widening_by_chance(innovations, prior_score(history).information, found);
+  for (Index i = 0; i < found.size(); ++i) {
+    if (found[i] < suspicious_widening || found[i] > chance[i]) continue;
+    estimate.robust.covariance.row(i) /= found[i];
+    estimate.robust.covariance.col(i) /= found[i];
   }
 }
 
