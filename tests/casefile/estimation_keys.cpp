@@ -353,7 +353,7 @@ void parts_of_an_interval() {
   EXPECT_EQ(options_of(study).substeps, 7);
   near(options_of(study).step, 0.01);
   EXPECT_EQ(study.problem->settings.substeps, 7);
-  EXPECT_EQ(options_of(with_estimate(stiffness_unknown)).substeps, 4);  // to begin with
+  EXPECT_EQ(options_of(with_estimate(stiffness_unknown)).substeps, 2);  // to begin with
   for (const std::string text : {"", ", substeps: auto"})
     EXPECT_FALSE(with_estimate(stiffness_unknown + text).problem->settings.substeps);
   const auto results = run(study, "simulate");

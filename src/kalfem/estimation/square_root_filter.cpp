@@ -40,11 +40,15 @@ void SquareRootFilter::reset(const Gaussian& estimate) {
 
 /// G Sigma G^T = added added^T - removed removed^T from the eigenvalues of the small Sigma.
 bool SquareRootFilter::split_scatter(const PartiallyLinearMap& map) {
+  if (transform_.scatter().size() == 0) {  // of a linear map, which the solver does not take
+    added_ = removed_ = MatrixXd(map.gain().rows(), 0);
+    return true;
+  }
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(transform_.scatter());
   if (eigen.info() != Eigen::Success) return false;
   const auto& values = eigen.eigenvalues();
   // Negative ones that are rounding are none: a state that is known exactly could not be downdated by them.
-  const double rounding = values.size() > 0 ? 1e-12 * values.cwiseAbs().maxCoeff() : 0.0;
+  const double rounding = 1e-12 * values.cwiseAbs().maxCoeff();
   const Index negative = (values.array() < -rounding).count();
   VectorXd roots = values.cwiseMax(0.0).cwiseSqrt();
   roots.head(negative) = (-values.head(negative)).cwiseSqrt();
