@@ -25,6 +25,8 @@ namespace {
 /// Of a sample interval in the search for a jump: what finer steps add is smaller than the jumps that are told.
 constexpr int most_jump_substeps = 4, limited_jump_substeps = 1;
 constexpr int few_passes = 2, more_passes = 4;  ///< from a contradictory run's own estimates
+constexpr double far_better = 3e-3;             ///< of a prior's deviation: an estimate's that asks for a second pass
+constexpr double what_matters = 0.3;            ///< standard deviations by which this moves an estimate
 /// Statistic of the scores: a step that is too coarse biases estimates alike throughout a record.
 constexpr double change_beyond_steps = 100.0;
 /// Mean NIS over what is expected: a run that contradicts itself, and by how much rest must be better.
@@ -118,6 +120,26 @@ bool agrees_at_its_end(const RecordEstimate& estimate) {
 bool explains_more(const RecordEstimate& again, const RecordEstimate& before) {
   if (again.result.failure || innovations_contradict(again, again.settled)) return false;
   return innovations_contradict(before, before.settled) || !contradicts_itself(again);
+}
+
+/// Whether the record knows an unknown much better than its prior.
+bool is_far_better_known(const RecordEstimate& estimate) {
+  const auto& model = *estimate.augmented_model;
+  const auto& deviation = estimate.result.state.deviation;
+  for (Index i = 0; i < model.layout().unknowns; ++i) {
+    const auto& unknown = model.options().unknowns[static_cast<std::size_t>(i)];
+    const double prior = unknown.deviation / unknown.transform.slope(unknown.transform.to_state(unknown.initial));
+    const double now = deviation(model.layout().unknown() + i, deviation.cols() - 1);
+    if (unknown.random_walk == 0.0 && now < far_better * prior) return true;
+  }
+  return false;
+}
+
+/// Whether another run's estimates lie elsewhere by what matters beside their deviations.
+bool moves(const RecordEstimate& before, const RecordEstimate& after) {
+  const auto& [mean, deviation] = after.result.unknowns;
+  const Eigen::ArrayXd distance = (mean.rightCols(1) - before.result.unknowns.mean.rightCols(1)).array().abs();
+  return (distance > what_matters * deviation.rightCols(1).array()).any();
 }
 
 EstimationOptions filter_options(const EstimationProblem& problem, const AugmentedModelSetup& setup,
@@ -232,8 +254,8 @@ void RecordEstimation::try_rest(FilteredRecord& filtered, int substeps) {
 /// passes at once, unless the budget is limited.
 void RecordEstimation::repeat_from_estimates(StepBudget& budget) {
   const auto& settings = problem_->settings;
-  if (settings.passes > 1 || settings.adaptive_noise.any()) return;
-  if (estimate_.result.failure || !contradicts_itself(estimate_)) return;
+  if (settings.passes > 1 || settings.adaptive_noise.any() || estimate_.result.failure) return;
+  if (!contradicts_itself(estimate_)) return confirm_by_second_pass(budget);
   struct Form {
     int passes;
     bool with_start;
@@ -254,6 +276,22 @@ void RecordEstimation::repeat_from_estimates(StepBudget& budget) {
     }
     other_steps_ += again.screening_->steps() - screening_->steps();
   }
+}
+
+/// Where a record tells an unknown far better than its prior does, what the filter's linearisation about the first
+/// guess bends can be large beside its deviation though no innovation shows it: a second pass, from the estimates,
+/// tells. It is kept where it moves an estimate, and agrees with the model as well.
+void RecordEstimation::confirm_by_second_pass(StepBudget& budget) {
+  if (!is_far_better_known(estimate_)) return;
+  if (!budget.take(few_passes * steps_of_run(*problem_, record_, estimate_.substeps.substeps)))
+    return estimate_.leave_out("a second pass from the estimates");
+  RecordEstimation again = *this;
+  again.pass_again(few_passes, false);
+  if (!again.estimate_.result.failure && !contradicts_itself(again.estimate_) && moves(estimate_, again.estimate_)) {
+    *this = std::move(again);
+    return;
+  }
+  other_steps_ += again.screening_->steps() - screening_->steps();
 }
 
 void RecordEstimation::pass_again(int passes, bool with_start) {

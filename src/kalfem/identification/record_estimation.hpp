@@ -16,7 +16,8 @@ struct ConsideredDeviations;
 ///    with half of its substeps, which tells what these leave in the estimates. Where the first samples alone say that
 ///    the structure moves and the run contradicts itself, it is run from rest, too.
 /// 2. repeat_from_estimates(): a run that contradicts itself again from its own estimates, as a filter that
-///    linearises about a first guess far off learns wrongly from the first samples, and never forgets.
+///    linearises about a first guess far off learns wrongly from the first samples, and never forgets. A run that does
+///    not is confirmed by a second pass where the record knows an unknown far better than its prior.
 /// 3. settle_substeps(): as many more substeps as that bias asks for.
 /// 4. look_for_jump(): an unknown that is not constant. Within a limited budget it comes before more substeps where the
 ///    estimates change along the record: these substeps would settle a compromise.
@@ -43,6 +44,7 @@ private:
   void correct();
   void run_first();
   void try_rest(FilteredRecord& filtered, int substeps);
+  void confirm_by_second_pass(StepBudget& budget);
   void pass_again(int passes, bool with_start);
   void evaluate(FilteredRecord filtered, SubstepChoice substeps);
   void add_event_of_change();
