@@ -107,6 +107,7 @@ RecordEstimate estimate_record(const EstimationProblemPtr& problem, const Augmen
   estimation.answer();
   estimation.repeat_from_estimates(unlimited);
   estimation.settle_substeps(unlimited);
+  estimation.confirm_by_second_pass(unlimited);
   estimation.look_for_jump(unlimited);
   return std::move(estimation.estimate());
 }
@@ -127,6 +128,7 @@ RecordEstimate estimate_record_thoroughly(const EstimationProblemPtr& problem, A
   if (budget.is_limited() && estimation.shows_a_change()) estimation.look_for_jump(budget);
   estimation.settle_substeps(budget);
   renew_bases(problem, setup, record, options, budget, estimation);
+  estimation.confirm_by_second_pass(budget);
   estimation.look_for_jump(budget);
   estimation.study_fixed_numbers(budget);
   estimation.study_process_noise(budget);

@@ -254,8 +254,8 @@ void RecordEstimation::try_rest(FilteredRecord& filtered, int substeps) {
 /// passes at once, unless the budget is limited.
 void RecordEstimation::repeat_from_estimates(StepBudget& budget) {
   const auto& settings = problem_->settings;
-  if (settings.passes > 1 || settings.adaptive_noise.any() || estimate_.result.failure) return;
-  if (!contradicts_itself(estimate_)) return confirm_by_second_pass(budget);
+  if (settings.passes > 1 || settings.adaptive_noise.any()) return;
+  if (estimate_.result.failure || !contradicts_itself(estimate_)) return;
   struct Form {
     int passes;
     bool with_start;
@@ -282,7 +282,9 @@ void RecordEstimation::repeat_from_estimates(StepBudget& budget) {
 /// guess bends can be large beside its deviation though no innovation shows it: a second pass, from the estimates,
 /// tells. It is kept where it moves an estimate, and agrees with the model as well.
 void RecordEstimation::confirm_by_second_pass(StepBudget& budget) {
-  if (!is_far_better_known(estimate_)) return;
+  const auto& settings = problem_->settings;
+  if (settings.passes > 1 || settings.adaptive_noise.any() || estimate_.substeps.limited) return;
+  if (estimate_.result.failure || contradicts_itself(estimate_) || !is_far_better_known(estimate_)) return;
   if (!budget.take(few_passes * steps_of_run(*problem_, record_, estimate_.substeps.substeps)))
     return estimate_.leave_out("a second pass from the estimates");
   RecordEstimation again = *this;

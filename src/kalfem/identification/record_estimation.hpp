@@ -12,14 +12,14 @@ struct ConsideredDeviations;
 
 /// One estimation from a record, part by part; estimate() holds what is known so far:
 ///
-/// 1. answer(): the likelihood unknowns, the filter over the record without the samples of faulty sensors, and a run
-///    with half of its substeps, which tells what these leave in the estimates. Where the first samples alone say that
-///    the structure moves and the run contradicts itself, it is run from rest, too.
+/// 1. answer(): the likelihood unknowns, and the filter over the record without the samples of faulty sensors. Where the
+///    run does not tell itself that its substeps leave little in the estimates, one with half of them does. Where the
+///    first samples alone say that the structure moves and the run contradicts itself, it is run from rest, too.
 /// 2. repeat_from_estimates(): a run that contradicts itself again from its own estimates, as a filter that
-///    linearises about a first guess far off learns wrongly from the first samples, and never forgets. A run that does
-///    not is confirmed by a second pass where the record knows an unknown far better than its prior.
+///    linearises about a first guess far off learns wrongly from the first samples, and never forgets.
 /// 3. settle_substeps(): as many more substeps as that bias asks for.
-/// 4. look_for_jump(): an unknown that is not constant. Within a limited budget it comes before more substeps where the
+/// 4. confirm_by_second_pass(): where the record knows an unknown far better than its prior.
+/// 5. look_for_jump(): an unknown that is not constant. Within a limited budget it comes before more substeps where the
 ///    estimates change along the record: these substeps would settle a compromise.
 ///
 /// Each search behind the answer ends before a run that the budget does not allow, and is then among what was left out.
@@ -31,6 +31,7 @@ public:
   void answer();
   void repeat_from_estimates(StepBudget& budget);
   void settle_substeps(StepBudget& budget);
+  void confirm_by_second_pass(StepBudget& budget);
   void look_for_jump(StepBudget& budget);
   /// Whether the estimates change along the record by more than what substeps leave in them.
   [[nodiscard]] bool shows_a_change() const;
@@ -44,7 +45,6 @@ private:
   void correct();
   void run_first();
   void try_rest(FilteredRecord& filtered, int substeps);
-  void confirm_by_second_pass(StepBudget& budget);
   void pass_again(int passes, bool with_start);
   void evaluate(FilteredRecord filtered, SubstepChoice substeps);
   void add_event_of_change();
