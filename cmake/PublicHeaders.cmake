@@ -22,7 +22,7 @@ set(KALFEM_CORE_HEADERS
     system/signals/sampled.hpp)
 set(KALFEM_FORMATS_HEADERS
     formats/deck.hpp formats/ledger.hpp formats/matrices.hpp formats/matrices/write.hpp formats/tables/csv.hpp)
-set(KALFEM_STUDY_HEADERS report/run_case.hpp)
+set(KALFEM_STUDY_HEADERS analysis/analysis.hpp report/run_case.hpp)
 
 # The folders' libraries of each component; a component uses those before it.
 set(KALFEM_CORE_LIBRARIES base linalg statistics sampling information verdict records model reduction system dynamics estimation prediction updating
@@ -31,4 +31,4 @@ if(KALFEM_MPI)
   list(APPEND KALFEM_CORE_LIBRARIES distributed)
 endif()
 set(KALFEM_FORMATS_LIBRARIES formats)
-set(KALFEM_STUDY_LIBRARIES evolution yaml casefile study pictures page steps report)
+set(KALFEM_STUDY_LIBRARIES evolution yaml casefile study pictures page steps analysis report)

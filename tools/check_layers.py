@@ -43,6 +43,7 @@ ALLOWED["pictures"] = CORE | {"identification"}
 ALLOWED["page"] = NUMERICS | {"statistics", "records", "verdict", "pictures"}
 ALLOWED["steps"] = LIBRARY | ROOMS | {"identification", "diagnosis", "study", "pictures", "page"}
 ALLOWED["report"] = ALLOWED["steps"] | {"steps"}
+ALLOWED["analysis"] = ALLOWED["api"] | {"api", "yaml", "casefile", "study", "steps", "formats"}
 INCLUDE = re.compile(r'#include "kalfem/(\w+)/')
 NAMESPACE = re.compile(r"^namespace ([\w:]+) \{")
 TYPE = re.compile(r"^(?:struct|class|enum class) (\w+)(?: final)?(?: :.*)? \{")

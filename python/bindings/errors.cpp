@@ -7,11 +7,12 @@
 namespace kalfem::python {
 namespace {
 
-/// The words of a C++ program in those of Python: "unknowns[0] 'k'" is unknown['k'], Structure::points() a method.
+/// The words of a C++ program in those of Python: "unknowns[0] 'k'" is unknown['k'], "unknowns[0].std 'k'" its std,
+/// Structure::points() a method.
 std::string in_python(const std::string& text) {
-  static const std::regex place(R"(^(sensors|unknowns|outputs|parameters)\[\d+\] '([^']*)')");
+  static const std::regex place(R"(^(sensors|unknowns|outputs|parameters)\[\d+\](\.\w+)? '([^']*)')");
   static const std::regex member(R"(\b(Structure|OnlineFilter|LiveFilter)::)");
-  std::string words = std::regex_replace(text, place, "$1['$2']");
+  std::string words = std::regex_replace(text, place, "$1['$3']$2");
   if (words.starts_with("unknowns")) words.erase(7, 1);
   words = std::regex_replace(words, member, "$1.");
   static const std::regex online(R"(\b(an OnlineFilter|a LiveFilter)\b)"), filter(R"(\b(Online|Live)Filter\b)");

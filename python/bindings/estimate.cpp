@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 
 #include "calls.hpp"
@@ -19,10 +20,9 @@ constexpr double deviations_per_second = 100.0;  ///< of states and outputs, as 
 
 py::dict parameters_summary(const EstimateResult& result, const EstimateOptions& options) {
   py::dict all;
-  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
-    const auto& [name, unit, mean, std, std_robust, interval, mean_history, std_history, std_considered] =
-        result.parameters[i];
-    const auto& prior = options.unknowns[i].prior;
+  for (const auto& parameter : result.parameters) {
+    const auto& [name, unit, mean, std, std_robust, interval, mean_history, std_history, std_considered] = parameter;
+    const auto& prior = std::ranges::find(options.unknowns, name, &UnknownDescription::name)->prior;
     py::dict entry;
     entry["estimate"] = number(mean);
     entry["std"] = number(std);

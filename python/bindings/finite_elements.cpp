@@ -164,7 +164,7 @@ std::vector<double> ratios_of(const py::object& given) {
 }  // namespace
 
 void bind_finite_elements(py::module_& module) {
-  py::class_<FiniteElements>(module, "FiniteElements",
+  py::class_<FiniteElements>(module, "FiniteElements", py::dynamic_attr(),
                              R"(A finite-element substructure: methods give a changed copy. Made by read_deck().
 
 Its points are ``name.node.x``; its parameters ``name.steel.youngs_modulus``, ``name.skin.thickness`` and so on.)")

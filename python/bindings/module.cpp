@@ -24,6 +24,7 @@ PYBIND11_MODULE(_core, module) {
   bind_formats(module);
   bind_likelihood(module);
   bind_run(module);
+  bind_analysis(module);
   bind_sweep(module);
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "kalfem/base/units.hpp"
+#include "kalfem/identification/measurement_unknowns.hpp"
 #include "sensors.hpp"
 
 namespace kalfem::python {
@@ -11,7 +12,8 @@ namespace {
 
 double parameter_value(const py::handle& given, const Structure& structure, const std::string& name,
                        const std::string& argument) {
-  const bool text = py::isinstance<py::str>(given);  // otherwise its unit need not be looked up
+  // Otherwise its unit need not be looked up, and the structure does not know that of a number of the measurement.
+  const bool text = py::isinstance<py::str>(given) && !is_measurement_unknown(name);
   return number_of(given, text ? structure.unit(name) : "", argument);
 }
 
@@ -135,6 +137,23 @@ std::vector<std::pair<std::string, PointPrior>> initial_state_of(const py::dict&
   return all;
 }
 
+std::vector<std::pair<std::string, ConnectorStatePrior>> connector_states_of(const py::dict& given) {
+  std::vector<std::pair<std::string, ConnectorStatePrior>> all;
+  for (const auto& [state, entries] : given) {
+    const auto name = state.cast<std::string>();
+    const std::string argument = entry_of("initial_connector_states", name);
+    ConnectorStatePrior prior;
+    for (const auto& [key, value] : entries.cast<py::dict>()) {
+      const auto entry = key.cast<std::string>();
+      if (entry != "value" && entry != "std")
+        throw InvalidInput(argument + ": there is no entry '" + entry + "'", "it has value and std", "");
+      (entry == "std" ? prior.std : prior.value) = number_of(value, "", argument);
+    }
+    all.push_back({name, prior});
+  }
+  return all;
+}
+
 /// "none", "full" or a number; nothing for None.
 std::optional<double> second_thoughts_of(const py::handle& given) {
   if (given.is_none()) return std::nullopt;
@@ -170,6 +189,8 @@ EstimateOptions options_of(const Structure& structure, const py::dict& arguments
   options.outputs = outputs_of(arguments["outputs"]);
   options.filter = filter_named(cast_of<std::string>(arguments["filter"], "filter"));
   options.initial_state = initial_state_of(arguments["initial_state"]);
+  if (arguments.contains("initial_connector_states"))
+    options.initial_connector_states = connector_states_of(arguments["initial_connector_states"]);
   options.process_noise = number_of(arguments["process_noise"], "m/s^2/sqrt(Hz)", "process_noise");
   take("substeps", options.substeps);
   take("step_order", options.step_order);

@@ -9,6 +9,9 @@ namespace kalfem::python {
 /// argument that does not fit, by its name.
 EstimateOptions options_of(const Structure& structure, const py::dict& arguments);
 
+/// The same of an updating. Records give their inputs to the structure.
+UpdateOptions update_options_of(Structure& structure, const py::dict& arguments);
+
 /// What an argument of that type is, in words.
 template <class T>
 const char* words_for() {

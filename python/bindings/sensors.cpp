@@ -62,6 +62,67 @@ chain : list
     What lies between the motion and the sample: ``low_pass(100.0)``, ``delay(1e-3)``, ...
 )";
 
+py::tuple section_state(const ChainSection& section) {
+  if (const auto* filter = std::get_if<FilterSection>(&section))
+    return py::make_tuple("filter", static_cast<int>(filter->family), static_cast<int>(filter->band), filter->order,
+                          filter->cutoff, filter->upper_cutoff);
+  if (const auto* delay = std::get_if<DelaySection>(&section))
+    return py::make_tuple("delay", delay->delay, delay->order);
+  if (const auto* resonance = std::get_if<ResonanceSection>(&section))
+    return py::make_tuple("resonance", resonance->frequency, resonance->damping);
+  return py::make_tuple("gain", std::get<GainSection>(section).gain);
+}
+
+ChainSection section_from(const py::tuple& state) {
+  const auto kind = state[0].cast<std::string>();
+  const auto number = [&](std::size_t i) { return state[i].cast<double>(); };
+  if (kind == "filter")
+    return FilterSection{static_cast<FilterFamily>(state[1].cast<int>()), static_cast<FilterBand>(state[2].cast<int>()),
+                         state[3].cast<int>(), number(4), number(5)};
+  if (kind == "delay") return DelaySection{number(1), state[2].cast<int>()};
+  if (kind == "resonance") return ResonanceSection{number(1), number(2)};
+  return GainSection{number(1)};
+}
+
+/// What a pickle holds.
+template <class T>
+py::tuple state_of(const T& self) {
+  if constexpr (std::is_same_v<T, ChainPart>) {
+    return section_state(self.section);
+  } else {
+    py::list chain;
+    for (const auto& section : self.chain.sections) chain.append(section_state(section));
+    return py::make_tuple(static_cast<int>(self.output.quantity), self.output.points, self.output.relative_to_base,
+                          self.output.carried_masses, self.noise, self.relative_noise, chain);
+  }
+}
+
+template <class T>
+T from_state(const py::tuple& state) {
+  if constexpr (std::is_same_v<T, ChainPart>) {
+    return {section_from(state)};
+  } else {
+    Observation made{
+        .output = {"", static_cast<ObservedQuantity>(state[0].cast<int>()), state[1].cast<DofCombination>(),
+                   state[2].cast<bool>(), state[3].cast<DofCombination>()},
+        .noise = state[4].cast<double>(),
+        .relative_noise = state[5].cast<bool>()};
+    for (const auto& section : state[6].cast<py::list>())
+      made.chain.sections.push_back(section_from(section.cast<py::tuple>()));
+    return made;
+  }
+}
+
+/// "Sensor(acceleration of body.3, noise 0.3 m/s^2)".
+std::string in_words(const Observation& sensor) {
+  std::string points;
+  for (const auto& [point, weight] : sensor.output.points)
+    points += (points.empty() ? "" : " + ") + (weight == 1.0 ? "" : shortest(weight) + " ") + point;
+  const std::string noise = sensor.relative_noise ? shortest(100.0 * sensor.noise) + " %"
+                                                  : shortest(sensor.noise) + " " + unit_of(sensor.output.quantity);
+  return "Sensor(" + quantity_name(sensor.output.quantity) + " of " + points + ", noise " + noise + ")";
+}
+
 template <ObservedQuantity quantity>
 void define(py::module_& module, const char* name, const std::string& meaning) {
   std::string doc = meaning + observe_doc;
@@ -101,6 +162,34 @@ std::vector<SensorDescription> sensors_of(const py::dict& sensors) {
     const auto& [output, noise, chain, relative] = observation_of(given, entry_of("sensors", key));
     all.push_back({key, output, relative ? 0.0 : noise, chain});
   }
+  return all;
+}
+
+std::string quantity_name(ObservedQuantity quantity) {
+  using enum ObservedQuantity;
+  switch (quantity) {
+    case displacement:
+      return "displacement";
+    case velocity:
+      return "velocity";
+    case acceleration:
+      return "acceleration";
+    case connector_force:
+      return "force";
+    case connector_deformation:
+      return "deformation";
+    case connector_rate:
+      return "rate";
+    case strain:
+      return "strain";
+  }
+  return "";
+}
+
+py::dict sensors_in_python(const std::vector<SensorDescription>& sensors) {
+  py::dict all;
+  for (const auto& [name, output, noise, chain] : sensors)
+    all[py::str(name)] = Observation{.output = output, .noise = noise, .chain = chain};
   return all;
 }
 
@@ -145,7 +234,9 @@ void bind_sensors(py::module_& module) {
           "unit", [](const Observation& self) { return unit_of(self.output.quantity); }, "SI unit.")
       .def_property_readonly(
           "points", [](const Observation& self) { return self.output.points; },
-          "Points, or connectors, with their weights.");
+          "Points, or connectors, with their weights.")
+      .def("__repr__", &in_words)
+      .def(py::pickle(&state_of<Observation>, &from_state<Observation>));
   define<ObservedQuantity::displacement>(module, "displacement", "Absolute displacement of a point [m].\n");
   define<ObservedQuantity::velocity>(module, "velocity", "Absolute velocity of a point [m/s].\n");
   define<ObservedQuantity::acceleration>(module, "acceleration", "Absolute acceleration of a point [m/s^2].\n");
@@ -154,7 +245,8 @@ void bind_sensors(py::module_& module) {
   define<ObservedQuantity::connector_deformation>(module, "deformation", "Deformation of a connector [m].\n");
   define<ObservedQuantity::connector_rate>(module, "rate", "Rate of deformation of a connector [m/s].\n");
 
-  py::class_<ChainPart>(module, "ChainSection", "A part of a measurement chain.");
+  py::class_<ChainPart>(module, "ChainSection", "A part of a measurement chain.")
+      .def(py::pickle(&state_of<ChainPart>, &from_state<ChainPart>));
   module.def(
       "low_pass",
       [](double cutoff, int order, const std::string& family) {

@@ -20,6 +20,10 @@ std::vector<SensorDescription> sensors_of(const py::dict& sensors);
 void set_relative_noise(const py::dict& sensors, const Record& record, std::vector<SensorDescription>& all);
 /// Throws InvalidInput where a sensor's noise is a part of its channel's rms, and there is no channel.
 void refuse_relative_noise(const py::dict& sensors);
+/// The other direction.
+py::dict sensors_in_python(const std::vector<SensorDescription>& sensors);
+/// The name of the function of Python that makes a sensor of it.
+std::string quantity_name(ObservedQuantity quantity);
 /// The same as quantities to estimate.
 std::vector<OutputRequest> outputs_of(const py::dict& outputs);
 

@@ -49,7 +49,7 @@ std::vector<double> ratios_of(const py::object& given) {
 }
 
 void bind_lumped(py::module_& module) {
-  py::class_<LumpedPart>(module, "Lumped",
+  py::class_<LumpedPart>(module, "Lumped", py::dynamic_attr(),
                          "A substructure of masses, springs and matrices. Made by lumped() or chain().")
       .def("mass", &LumpedPart::mass, py::arg("dof"), py::arg("kilograms"), "Add a mass [kg] under its own name.",
            py::return_value_policy::reference_internal)
@@ -162,25 +162,30 @@ void bind_inputs(py::class_<Structure>& structure) {
           py::arg("sample_rate") = py::none(), py::arg("start") = 0.0, internal, "Apply a known force to a point [N].");
 }
 
+/// "Structure(2 bodies, 1 connector, 1 input)".
 std::string in_words(const Structure& structure) {
-  const auto& [parts, elements, signals, by_velocity] = structure.description();
-  std::string words = "<kalfem.Structure of";
-  for (const auto& part : parts.substructures) words += " " + part.name;
-  for (const auto& part : elements) words += " " + part.name();
-  for (const auto& connector : parts.connectors)
-    words += ", " + connector.name + ": " + connector.from + " - " + connector.to;
-  for (const auto& input : parts.inputs) words += ", input " + input.name;
-  return words + ">";
+  const auto& given = structure.description();
+  const auto counted = [](std::size_t count, const std::string& one, const std::string& many) {
+    return std::to_string(count) + " " + (count == 1 ? one : many);
+  };
+  const auto bodies =
+      given.parts.substructures.size() + given.finite_elements.size() + given.read.finite_elements.size();
+  return "Structure(" + counted(bodies, "body", "bodies") + ", " +
+         counted(given.parts.connectors.size(), "connector", "connectors") + ", " +
+         counted(given.parts.inputs.size(), "input", "inputs") + ")";
 }
 
 /// What a table of the structure shows.
 py::dict contents_of(const Structure& structure) {
-  const auto& [parts, elements, signals, by_velocity] = structure.description();
+  const auto& given = structure.description();
+  const auto& parts = given.parts;
   py::list substructures, connectors, inputs;
   for (const auto& part : parts.substructures)
     substructures.append(py::make_tuple(part.name, "lumped", dofs_of(part).size()));
-  for (const auto& part : elements)
+  for (const auto& part : given.finite_elements)
     substructures.append(py::make_tuple(part.name(), "finite elements", 6 * part.model().mesh.node_count()));
+  for (const auto& each : given.read.finite_elements)
+    substructures.append(py::make_tuple(each.part->name, "finite elements", 6 * each.part->elements.mesh.node_count()));
   for (const auto& connector : parts.connectors) {
     py::dict values;
     const auto& parameters = connector.law->parameters();
@@ -190,7 +195,7 @@ py::dict contents_of(const Structure& structure) {
     connectors.append(py::make_tuple(connector.name, connector.from, connector.to, connector.law->name(), values));
   }
   for (const auto& input : parts.inputs) {
-    const bool of_velocity = std::ranges::find(by_velocity, input.name) != by_velocity.end();
+    const bool of_velocity = std::ranges::find(given.by_velocity, input.name) != given.by_velocity.end();
     inputs.append(py::make_tuple(input.name, of_velocity ? "m/s" : unit_of(input.kind), input.target));
   }
   py::dict all;
@@ -238,7 +243,7 @@ Structure driven(const Structure& structure, const py::dict& inputs, double star
 void bind_structure(py::module_& module) {
   constexpr auto internal = py::return_value_policy::reference_internal;
   bind_lumped(module);
-  py::class_<Structure> structure(module, "Structure",
+  py::class_<Structure> structure(module, "Structure", py::dynamic_attr(),
                                   R"(A structure: substructures, connectors between their points, and inputs.
 
 Points and parameters have names, ``wheel.w`` and ``suspension.k``. Names may appear in any order: they are looked up
@@ -299,8 +304,6 @@ values with units), ``inputs`` (name, unit, target).)")
           py::arg("values"), "The structure at other values of its parameters; it stays as it is itself.")
       .def(
           "copy", [](const Structure& self) { return Structure(self); }, "An independent copy.")
-      .def("__copy__", [](const Structure& self) { return Structure(self); })
-      .def("__deepcopy__", [](const Structure& self, const py::dict&) { return Structure(self); })
       .def("_repr_html_",
            [](const py::object& self) { return py::module_::import("kalfem.display").attr("structure_html")(self); })
       .def("__repr__", &in_words);

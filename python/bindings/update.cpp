@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calls.hpp"
+#include "options.hpp"
 #include "records.hpp"
 #include "results.hpp"
 #include "sensors.hpp"
@@ -243,16 +244,9 @@ py::dict summary_of(const UpdateResult& result) {
   return summary;
 }
 
-py::tuple update_structure(const Structure& structure, const std::string& substructure, const py::object& frequencies,
-                           const py::object& std, const py::object& modes, const py::object& parameters, double above,
-                           const py::dict& compare, int max_evaluations, const py::object& progress) {
+py::tuple update_structure(const Structure& structure, const py::dict& arguments, const py::object& progress) {
   Structure moved = structure;
-  const UpdateOptions options{.substructure = substructure,
-                              .frequencies = frequencies_of(frequencies, std, modes),
-                              .parameters = parameters_of(structure, parameters),
-                              .above = above,
-                              .comparisons = comparisons_of(compare, moved),
-                              .max_evaluations = max_evaluations};
+  const UpdateOptions options = update_options_of(moved, arguments);
   const auto result = long_call(structure, progress, [&](const Progress&) { return update(moved, options); });
   Eigen::VectorXd measured(std::ssize(result.frequencies)), before = measured, after = measured;
   for (Eigen::Index i = 0; i < measured.size(); ++i) {
@@ -270,10 +264,18 @@ py::tuple update_structure(const Structure& structure, const std::string& substr
 
 }  // namespace
 
+UpdateOptions update_options_of(Structure& structure, const py::dict& arguments) {
+  return {.substructure = cast_of<std::string>(arguments["substructure"], "substructure"),
+          .frequencies = frequencies_of(arguments["frequencies"], arguments["std"], arguments["modes"]),
+          .parameters = parameters_of(structure, arguments["parameters"]),
+          .above = cast_of<double>(arguments["above"], "above"),
+          .comparisons = comparisons_of(arguments["compare"], structure),
+          .max_evaluations = cast_of<int>(arguments["max_evaluations"], "max_evaluations"),
+          .tolerance = cast_of<double>(arguments["tolerance"], "tolerance")};
+}
+
 void bind_update(py::module_& module) {
-  module.def("update", &update_structure, py::arg("structure"), py::arg("substructure"), py::arg("frequencies"),
-             py::arg("std"), py::arg("modes"), py::arg("parameters"), py::arg("above"), py::arg("compare"),
-             py::arg("max_evaluations"), py::arg("progress") = py::none(),
+  module.def("update", &update_structure, py::arg("structure"), py::arg("arguments"), py::arg("progress") = py::none(),
              "Summary and datasets of an updating: see kalfem.update.");
 }
 

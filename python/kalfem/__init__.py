@@ -41,7 +41,6 @@ _NAMES = {
         "resonance",
         "gain",
     ),
-    "analysis": ("estimate", "simulate", "update"),
     "inferring": ("infer", "compare", "ComparedStructure"),
     "posterior": ("Posterior",),
     "analysis": ("estimate", "predict", "simulate", "update"),
@@ -53,6 +52,7 @@ _NAMES = {
     "live": ("Filter", "Estimate"),
     "law_library": ("laws",),
     "running": ("run",),
+    "cases": ("read_case", "to_case", "Case"),
     "sweeping": ("sweep", "Sweep"),
     "likelihood": ("Likelihood",),
     "records": ("read", "Record", "MeasuredFile"),
@@ -112,6 +112,7 @@ if TYPE_CHECKING:
         velocity as velocity,
     )
     from .analysis import estimate as estimate, predict as predict, simulate as simulate, update as update
+    from .cases import Case as Case, read_case as read_case, to_case as to_case
     from .comparing import (
         MeasuredDeflections as MeasuredDeflections,
         MeasuredModes as MeasuredModes,

@@ -246,6 +246,19 @@ class CaseLikelihood:
         progress: _Progress = None,
     ) -> dict[str, Any]: ...
 
+def read_case(
+    case: str, set: Sequence[tuple[str, str | None]], record: bool, progress: _Progress = None
+) -> dict[str, Any]: ...
+def to_case(
+    structure: Structure,
+    t: ArrayLike | None,
+    y: Any,
+    inputs: dict[str, ArrayLike],
+    arguments: dict[str, Any] | None,
+    update: dict[str, Any] | None,
+    title: str,
+    file: str,
+) -> str: ...
 def run_case(
     case: str, set: Sequence[tuple[str, str | None]], folder: str, last_step: str, progress: _Progress = None
 ) -> CaseRun: ...
@@ -307,14 +320,7 @@ def compare(
 def statics(elements: FiniteElements, cases: dict[str, Any]) -> tuple[dict[str, Any], list[str]]: ...
 def update(
     structure: Structure,
-    substructure: str,
-    frequencies: ArrayLike,
-    std: float | ArrayLike,
-    modes: Sequence[int | None] | None,
-    parameters: Mapping[str, Any] | Sequence[str],
-    above: float,
-    compare: dict[str, dict[str, Any]],
-    max_evaluations: int,
+    arguments: dict[str, Any],
     progress: _Progress = None,
 ) -> tuple[dict[str, Any], _Datasets]: ...
 def validate(

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,7 @@ import numpy as np
 
 from .comparing import described
 from .compiled import core
-from .errors import InvalidInput, Issue
+from .errors import InvalidInput, Issue, unknown_name
 from .progress import reporter
 from .records import Record
 from .results import Run
@@ -35,6 +36,7 @@ def estimate(
     outputs: Mapping[str, Sensor] | None = None,
     filter: str = "auto",
     initial_state: Mapping[str, Mapping[str, Any]] | None = None,
+    initial_connector_states: Mapping[str, Mapping[str, float]] | None = None,
     process_noise: float | str = 0.0,
     substeps: int | None = None,
     step_order: int = 4,
@@ -65,7 +67,9 @@ def estimate(
         ``{"mount.k3": (1e8, "50 %")}``: mean and standard deviation, each a number [SI] or a text with a unit; the
         deviation may be a percentage of the mean. Or the mean alone, with half of it as deviation; None for the
         structure's own value; or a dictionary with ``initial``, ``std``, ``random_walk`` [unit/sqrt(s)], ``bounds``,
-        ``transform`` (``log`` or ``none``) and ``applies_to`` (parameters that share the value).
+        ``transform`` (``log`` or ``none``) and ``applies_to`` (parameters that share the value). Numbers of the
+        measurement are unknowns too: ``sensors.a3.offset``, ``sensors.a3.gain``, ``.delay``, ``.noise`` and
+        ``process_noise``, each with its mean; all but offsets are found by maximum likelihood.
     outputs : dict of str to Sensor
         Quantities to estimate without a sensor for them.
     filter : str
@@ -73,6 +77,8 @@ def estimate(
     initial_state : dict of str to dict
         By degree of freedom, or ``all``: ``displacement``, ``velocity``, ``displacement_std``, ``velocity_std``
         [m, m/s]. Rest, known exactly, if it is not given.
+    initial_connector_states : dict of str to dict
+        Internal states of laws at the start, ``{"mount.z": {"value": 0.0, "std": 1e-3}}``.
     process_noise : float or str
         White acceleration on every degree of freedom [m/s^2/sqrt(Hz)].
     substeps : int, optional
@@ -136,7 +142,8 @@ def estimate(
         unknown,
         outputs,
         filter=filter,
-        initial_state=dict(initial_state or {}),
+        initial_state=initial_state,
+        initial_connector_states=initial_connector_states,
         process_noise=process_noise,
         substeps=substeps,
         step_order=step_order,
@@ -147,7 +154,7 @@ def estimate(
         settle=settle,
         diagnose=diagnose,
         second_thoughts=second_thoughts,
-        known_to=dict(known_to or {}),
+        known_to=known_to,
     )
     with reporter(progress) as bar:
         summary, datasets = core.estimate(structure, t, y, dict(inputs or {}), arguments, bar)
@@ -156,12 +163,41 @@ def estimate(
 
 def _arguments(sensors, unknown, outputs, **settings):
     """Those of an estimation, as the compiled module takes them."""
+    by_name = ("initial_state", "initial_connector_states", "known_to")
     return {
         "sensors": dict(sensors),
         "unknown": {} if unknown is None else dict(unknown) if isinstance(unknown, Mapping) else list(unknown),
         "outputs": dict(outputs or {}),
-        **settings,
+        **{name: dict(each or {}) if name in by_name else each for name, each in settings.items()},
     }
+
+
+def _estimate_arguments(given):
+    """The same of arguments of :func:`estimate` in a dictionary."""
+    if "sensors" not in given:
+        raise InvalidInput(Issue("estimate: 'sensors' is missing", "an estimation is one from sensors"))
+    return _arguments(**_with_defaults(estimate, given))
+
+
+def _update_arguments(given):
+    """Arguments of :func:`update` in a dictionary, as the compiled module takes them."""
+    all_of_them = _with_defaults(update, given)
+    parameters, modes, std = (all_of_them[name] for name in ("parameters", "modes", "std"))
+    all_of_them["parameters"] = dict(parameters) if isinstance(parameters, Mapping) else list(parameters)
+    all_of_them["modes"] = None if modes is None else list(modes)
+    all_of_them["std"] = float(std) if np.ndim(std) == 0 else std
+    all_of_them["compare"] = described(all_of_them["compare"] or {})
+    return all_of_them
+
+
+def _with_defaults(function, given):
+    """What is said of the analysis, the rest at the defaults of the function."""
+    of_the_data = ("structure", "t", "y", "inputs", "progress")
+    known = {name: each.default for name, each in inspect.signature(function).parameters.items() if name not in of_the_data}
+    for name in given:
+        if name not in known:
+            raise InvalidInput(Issue(f"{function.__name__}: {unknown_name('argument', name, list(known))}"))
+    return {**known, **given}
 
 
 def predict(
@@ -230,7 +266,7 @@ def predict(
         unknown,
         outputs,
         filter=filter,
-        initial_state=dict(initial_state or {}),
+        initial_state=initial_state,
         process_noise=process_noise,
         substeps=substeps,
         threads=threads,
@@ -305,6 +341,7 @@ def update(
     modes: Sequence[int | None] | None = None,
     above: float = 0.0,
     max_evaluations: int = 100,
+    tolerance: float = 1e-6,
     progress: Progress = True,
 ) -> Run:
     """Refine parameters of linear substructures by what was measured.
@@ -329,6 +366,8 @@ def update(
         Modes up to this frequency are not elastic ones [Hz].
     max_evaluations : int
         Of the model.
+    tolerance : float
+        The search ends once a step changes every parameter by less than this, relative.
 
     Returns
     -------
@@ -349,12 +388,19 @@ def update(
     >>> round(kf.update(s, parameters=["m.k.stiffness"], compare={"pull": tested}).parameters["m.k.stiffness"].value, 1)
     2500.0
     """
-    values = dict(parameters) if isinstance(parameters, Mapping) else list(parameters)
-    numbers = None if modes is None else list(modes)
-    spread = float(std) if np.ndim(std) == 0 else std
-    with reporter(progress) as bar:
-        given = described(compare or {})
-        summary, datasets = core.update(
-            structure, substructure, frequencies, spread, numbers, values, above, given, max_evaluations, bar
+    arguments = _update_arguments(
+        dict(
+            substructure=substructure,
+            frequencies=frequencies,
+            std=std,
+            parameters=parameters,
+            compare=compare,
+            modes=modes,
+            above=above,
+            max_evaluations=max_evaluations,
+            tolerance=tolerance,
         )
+    )
+    with reporter(progress) as bar:
+        summary, datasets = core.update(structure, arguments, bar)
     return Run.from_memory(summary, datasets)

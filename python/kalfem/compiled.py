@@ -58,7 +58,9 @@ except ImportError as error:
     ) from error
 
 from .arguments import name_arguments
+from .recipes import note_calls
 
 name_arguments(core)
+note_calls(core)
 
 __all__ = ["core"]

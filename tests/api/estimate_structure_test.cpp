@@ -114,10 +114,10 @@ TEST(EstimateArguments, AreNamedByTheirPlaceWhereTheyAreWrong) {
   record.values.conservativeResize(3, Eigen::NoChange);
   record.values.row(2).setZero();
   const auto message = refusal_of([&] { return estimate(driven_chain(), record, options); });
-  EXPECT_THAT(message, HasSubstr("sensors[0] 'a3': its noise is 0"));
+  EXPECT_THAT(message, HasSubstr("sensors[0].noise 'a3': it is 0"));
   EXPECT_THAT(message, HasSubstr("sensors[2] 'a9': "));
   EXPECT_THAT(message, HasSubstr("body.9"));
-  EXPECT_THAT(message, HasSubstr("unknowns[1] 'body.2-3.stiffness': it starts at -1"));
+  EXPECT_THAT(message, HasSubstr("unknowns[1].initial 'body.2-3.stiffness': it is -1"));
   EXPECT_THAT(message, HasSubstr("unknowns[2] 'suspension.mu_k9': there is no parameter 'suspension.mu_k9' (did you "
                                  "mean 'suspension.mu_k1'?)"));
   EXPECT_THAT(message, HasSubstr("outputs[0] 'f': "));
@@ -136,11 +136,11 @@ TEST(EstimateArguments, ThatAreMissingAreRefused) {
               HasSubstr("initial_state[0]: 'body.7' is not a degree of freedom"));
   EXPECT_THAT(refused({.sensors = chain_sensors(), .substeps = 0}), HasSubstr("substeps: 0"));
   EXPECT_THAT(refused({.sensors = chain_sensors(), .unknowns = {{"suspension.k", {.initial = 0.0}}}}),
-              HasSubstr("unknowns[0] 'suspension.k': its standard deviation is 0"));
+              HasSubstr("unknowns[0].std 'suspension.k': it is 0"));
   const ParameterTransform bounds{TransformKind::logit, 0.0, 1.0};
   EXPECT_THAT(
       refused({.sensors = chain_sensors(), .unknowns = {{"suspension.k", {.initial = 2.0, .transform = bounds}}}}),
-      HasSubstr("unknowns[0] 'suspension.k': it starts at 2, outside its bounds 0 to 1"));
+      HasSubstr("unknowns[0].initial 'suspension.k': it is 2, outside its bounds 0 to 1"));
 }
 
 TEST(EstimateArguments, AnInputWithoutASignalIsNamed) {

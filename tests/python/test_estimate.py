@@ -107,10 +107,11 @@ def test_filters_by_name():
     "change, words",
     [
         (dict(unknown={"suspension.mu_k9": 1.0}), r"unknown\['suspension.mu_k9'\]: there is no parameter.*mu_k1"),
+        (dict(unknown={"suspension.mu_k1": (1.0, -2.0)}), r"unknown\['suspension.mu_k1'\].std: it is -2"),
         (dict(unknown={"suspension.mu_k1": (1.0, 2.0, 3.0)}), r"unknown\['suspension.mu_k1'\]: 3 values"),
         (dict(unknown={"suspension.mu_k1": ("3 kg", 1.0)}), r"unknown\['suspension.mu_k1'\]: .*3 kg"),
         (dict(unknown={"suspension.mu_k1": dict(mean=1.0)}), r"there is no entry 'mean'"),
-        (dict(sensors={"a3": kf.acceleration("body.2")}), r"sensors\['a3'\]: its noise is 0"),
+        (dict(sensors={"a3": kf.acceleration("body.2")}), r"sensors\['a3'\].noise: it is 0"),
         (dict(sensors={"a4": kf.acceleration("body.2", noise=0.3)}), r"y: there is no channel 'a4'"),
         (dict(sensors={"a3": "body.2"}), r"sensors\['a3'\]: 'body.2' is given"),
         (dict(sensors={}), "sensors: the list is empty"),

@@ -22,6 +22,19 @@ namespace {
 
 OutputDescription at(ObservedQuantity quantity, const std::string& place) { return {"", quantity, {{place, 1.0}}}; }
 
+void add_found_by_likelihood(const LikelihoodEstimate& found, std::vector<ParameterEstimate>& parameters) {
+  for (std::size_t i = 0; i < found.unknowns.size(); ++i) {
+    const auto row = static_cast<Index>(i);
+    const auto interval = found.interval(row);
+    parameters.push_back({.name = found.unknowns[i].name,
+                          .unit = found.unknowns[i].unit,
+                          .mean = found.values[row],
+                          .std = found.deviation[row],
+                          .std_robust = found.robust_deviation[row],
+                          .interval_95 = {interval.lower, interval.upper}});
+  }
+}
+
 std::vector<ParameterEstimate> parameters_of(const RecordEstimate& estimated) {
   std::vector<ParameterEstimate> parameters;
   const auto& unknowns = estimated.augmented_model->options().unknowns;
@@ -40,6 +53,7 @@ std::vector<ParameterEstimate> parameters_of(const RecordEstimate& estimated) {
                           .std_history = std,
                           .std_considered = considered_deviation(estimated, row)});
   }
+  if (estimated.likelihood) add_found_by_likelihood(*estimated.likelihood, parameters);
   return parameters;
 }
 

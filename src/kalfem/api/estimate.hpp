@@ -32,7 +32,9 @@ struct Prior {
       {};  ///< parameters that share the value; if empty, the one that the unknown names
 };
 
-/// An unknown: {"suspension.mu_k1", {.initial = 10, .std = 5}}.
+/// An unknown: {"suspension.mu_k1", {.initial = 10, .std = 5}}; a parameter of the structure, or a number of the
+/// measurement: "sensors.a3.offset", a state of the filter, and "sensors.a3.gain", ".delay", ".noise" and
+/// "process_noise", which are found by maximum likelihood as one number for the record.
 struct UnknownDescription {
   std::string name;
   Prior prior = {};
@@ -45,6 +47,8 @@ struct EstimateOptions {
   std::vector<OutputRequest> outputs = {};  ///< virtual sensors
   /// Prior of the initial motion, by degree of freedom; "all" for those without an entry.
   std::vector<std::pair<std::string, PointPrior>> initial_state = {};
+  /// Prior of the internal states of connectors at the start, by "connector.state".
+  std::vector<std::pair<std::string, ConnectorStatePrior>> initial_connector_states = {};
   double process_noise = 0.0;             ///< white acceleration on every degree of freedom [m/s^2/sqrt(Hz)]
   std::optional<FilterKind> filter = {};  ///< if empty, the structure decides
   /// Of a sample interval, for the connectors' forces. Empty: estimate() takes as many as the estimates need, which
@@ -89,8 +93,9 @@ struct ParameterEstimate {
   /// Holds where the model is not exact and innovations are correlated; with a right model it is about `std`. Not a
   /// number for a parameter with a random walk, after a stop, and from an OnlineFilter.
   double std_robust = std::numeric_limits<double>::quiet_NaN();
-  Interval interval_95 = {};                            ///< from the larger of both deviations, with std_considered
-  Eigen::VectorXd mean_history = {}, std_history = {};  ///< one per sample
+  Interval interval_95 = {};  ///< from the larger of both deviations, with std_considered
+  /// One per sample; empty for what the likelihood of the whole record told.
+  Eigen::VectorXd mean_history = {}, std_history = {};
   /// The deviation with what `known_to` adds; not a number where nothing is stated.
   double std_considered = std::numeric_limits<double>::quiet_NaN();
 };
@@ -134,11 +139,12 @@ struct FilterStop {
 
 /// Result of a filter over a record. After a stop, the remaining samples are NaN.
 struct EstimateResult {
-  std::vector<ParameterEstimate> parameters;  ///< in the order of the unknowns
-  std::vector<EstimatedQuantity> states;      ///< "body.2.displacement", "body.2.velocity", "mount.z"
-  std::vector<EstimatedQuantity> outputs;     ///< in the order in which they were asked for
-  Eigen::MatrixXd innovation;                 ///< sensors x samples; not a number where nothing was measured
-  Eigen::MatrixXd innovation_deviation;       ///< expected of it, sensors x samples
+  /// In the order of the unknowns: those of the structure, offsets of sensors, then what the likelihood told.
+  std::vector<ParameterEstimate> parameters;
+  std::vector<EstimatedQuantity> states;   ///< "body.2.displacement", "body.2.velocity", "mount.z"
+  std::vector<EstimatedQuantity> outputs;  ///< in the order in which they were asked for
+  Eigen::MatrixXd innovation;              ///< sensors x samples; not a number where nothing was measured
+  Eigen::MatrixXd innovation_deviation;    ///< expected of it, sensors x samples
   /// Its covariance's lower triangle row by row, s (s + 1) / 2 x samples for s sensors; empty for more than 16.
   Eigen::MatrixXd innovation_covariance;
   /// Whether the filter learned from a sample as from any other: 0 where it is missing, an outlier or left out.

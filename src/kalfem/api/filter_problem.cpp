@@ -7,14 +7,16 @@
 #include "kalfem/api/structure_description.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/identification/fixed_numbers.hpp"
+#include "kalfem/identification/measurement_unknowns.hpp"
 #include "kalfem/identification/released_elements.hpp"
 
 namespace kalfem {
 namespace {
 
-/// "unknowns[0] 'suspension.mu_k1'": an argument by its place.
-std::string place_of(const char* list, std::size_t index, const std::string& name) {
-  return std::string(list) + "[" + std::to_string(index) + "] '" + name + "'";
+/// "unknowns[0] 'suspension.mu_k1'": an argument by its place; "unknowns[0].std 'suspension.mu_k1'": a member of it.
+std::string place_of(const char* list, std::size_t index, const std::string& name, const std::string& member = "") {
+  return std::string(list) + "[" + std::to_string(index) + "]" + (member.empty() ? "" : "." + member) + " '" + name +
+         "'";
 }
 
 /// Adds the issues of an error, each with the place of its argument.
@@ -50,22 +52,23 @@ ParameterTransform transform_of(const Prior& prior, const StructureParts& parts,
   return {stays_positive ? TransformKind::log : TransformKind::none};
 }
 
-void check_numbers(const Unknown& unknown) {
+/// `index`: of the unknown among the options.
+void check_numbers(const Unknown& unknown, std::size_t index, IssueList& issues) {
+  const auto refuse = [&](const char* member, const std::string& what, const char* why, const char* fix) {
+    issues.add({}, place_of("unknowns", index, unknown.name, member) + ": it is " + what, why, fix);
+  };
   const auto& [kind, lower, upper] = unknown.transform;
   const std::string value = shortest(unknown.initial);
-  if (!std::isfinite(unknown.initial))
-    throw InvalidInput("it starts at " + value, "a number is needed", "give a finite initial value");
+  if (!std::isfinite(unknown.initial)) refuse("initial", value, "a number is needed", "give a finite initial value");
   if (!(unknown.deviation > 0.0) || !std::isfinite(unknown.deviation))
-    throw InvalidInput("its standard deviation is " + shortest(unknown.deviation),
-                       "a parameter without uncertainty is not unknown", "give a positive std");
+    refuse("std", shortest(unknown.deviation), "a parameter without uncertainty is not unknown", "give a positive std");
   if (!(unknown.random_walk >= 0.0) || !std::isfinite(unknown.random_walk))
-    throw InvalidInput("its random walk is " + shortest(unknown.random_walk), "it must be >= 0", "");
+    refuse("random_walk", shortest(unknown.random_walk), "it must be >= 0", "");
   if (kind == TransformKind::log && !(unknown.initial > 0.0))
-    throw InvalidInput("it starts at " + value, "under the transform log it must be > 0",
-                       "start from a positive value");
+    refuse("initial", value, "under the transform log it must be > 0", "start from a positive value");
   if (kind == TransformKind::logit && !(lower < unknown.initial && unknown.initial < upper))
-    throw InvalidInput("it starts at " + value + ", outside its bounds " + shortest(lower) + " to " + shortest(upper),
-                       "the start must lie strictly between them", "move the start or the bounds");
+    refuse("initial", value + ", outside its bounds " + shortest(lower) + " to " + shortest(upper),
+           "the start must lie strictly between them", "move the start or the bounds");
 }
 
 Unknown unknown_of(const UnknownDescription& given, const ParameterSet& all, const StructureParts& parts) {
@@ -82,14 +85,29 @@ Unknown unknown_of(const UnknownDescription& given, const ParameterSet& all, con
   unknown.deviation = given.prior.std != 0.0 ? given.prior.std : 0.5 * std::abs(unknown.initial);
   unknown.random_walk = given.prior.random_walk;
   unknown.transform = transform_of(given.prior, parts, unknown);
-  check_numbers(unknown);
   return unknown;
 }
 
+/// An unknown of the measurement, whose sensor must be one of the problem's.
+void add_of_measurement(const UnknownDescription& given, EstimationProblem& problem) {
+  const auto& [name, prior] = given;
+  const std::string sensor = measured_sensor(name);
+  std::vector<std::string> known;
+  for (const auto& each : problem.sensors) known.push_back(each.name);
+  if (!sensor.empty() && std::ranges::find(known, sensor) == known.end())
+    throw InvalidInput("there is no sensor '" + sensor + "'" + did_you_mean(sensor, known), "",
+                       "name one of `sensors`");
+  if (!prior.initial)
+    throw InvalidInput("it has no initial value", "the structure has no number of that name", "give one");
+  if (prior.transform || !prior.applies_to.empty() || (prior.random_walk != 0.0 && is_found_by_likelihood(name)))
+    throw InvalidInput("it has a transform, a random walk or other parameters that share it",
+                       "a number of the measurement is one for the record; an offset alone may drift",
+                       "leave them out");
+  const auto deviation = prior.std != 0.0 ? std::optional(prior.std) : std::nullopt;
+  add_measurement_unknown(name, {*prior.initial, deviation, prior.random_walk}, problem);
+}
+
 Sensor sensor_of(const SensorDescription& given, const CoupledModel& model) {
-  if (!(given.noise > 0.0) || !std::isfinite(given.noise))
-    throw InvalidInput("its noise is " + shortest(given.noise), "a filter weighs a sensor by its noise",
-                       "give the standard deviation of its noise, > 0");
   Sensor sensor{.name = given.name, .output = given.output, .chain = MeasurementChain(given.chain)};
   sensor.output.name = given.name;
   sensor.noise = given.noise;
@@ -147,7 +165,11 @@ private:
   void add_sensors() {
     const CoupledModel model = couple(problem_.structure->parts);
     for (std::size_t i = 0; i < options_.sensors.size(); ++i) try {
-        problem_.sensors.push_back(sensor_of(options_.sensors[i], model));
+        const auto& given = options_.sensors[i];
+        if (!(given.noise > 0.0) || !std::isfinite(given.noise))
+          issues_.add({}, place_of("sensors", i, given.name, "noise") + ": it is " + shortest(given.noise),
+                      "a filter weighs a sensor by its noise", "give the standard deviation of its noise, > 0");
+        problem_.sensors.push_back(sensor_of(given, model));
       } catch (const InvalidInput& error) {
         add(error, place_of("sensors", i, options_.sensors[i].name), issues_);
       }
@@ -161,7 +183,13 @@ private:
   void add_unknowns() {
     const ParameterSet all(*problem_.structure);
     for (std::size_t i = 0; i < options_.unknowns.size(); ++i) try {
-        problem_.settings.unknowns.push_back(unknown_of(options_.unknowns[i], all, problem_.structure->parts));
+        const auto& given = options_.unknowns[i];
+        if (is_measurement_unknown(given.name)) {
+          add_of_measurement(given, problem_);
+          continue;
+        }
+        problem_.settings.unknowns.push_back(unknown_of(given, all, problem_.structure->parts));
+        check_numbers(problem_.settings.unknowns.back(), i, issues_);
       } catch (const InvalidInput& error) {
         add(error, place_of("unknowns", i, options_.unknowns[i].name), issues_);
       }
@@ -184,6 +212,11 @@ private:
     for (std::size_t i = 0; i < options_.initial_state.size(); ++i) {
       const auto& [point, prior] = options_.initial_state[i];
       settings.initial_state.push_back({point, {prior, {}, "initial_state[" + std::to_string(i) + "]"}});
+    }
+    for (std::size_t i = 0; i < options_.initial_connector_states.size(); ++i) {
+      const auto& [state, prior] = options_.initial_connector_states[i];
+      settings.initial_connector_states.push_back(
+          {state, {prior, {}, "initial_connector_states[" + std::to_string(i) + "]"}});
     }
   }
 
@@ -208,6 +241,13 @@ private:
 };
 
 }  // namespace
+
+void refuse_measurement_unknowns(const std::vector<UnknownDescription>& unknowns, IssueList& issues) {
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    if (is_measurement_unknown(unknowns[i].name))
+      issues.add({}, place_of("unknowns", i, unknowns[i].name) + ": a number of the measurement is unknown",
+                 "only estimate() finds one, from a whole record", "estimate it first, then state it with its sensor");
+}
 
 std::string unit_of(const OutputDescription& output) { return unit_of(output.quantity); }
 

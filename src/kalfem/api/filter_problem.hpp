@@ -16,6 +16,9 @@ struct FilterProblem {
 /// Looks up every name. `sample_rate`: of the record [Hz]. Throws InvalidInput with every argument that is wrong.
 FilterProblem make_filter_problem(const Structure& structure, double sample_rate, const EstimateOptions& options);
 
+/// Adds an issue for each unknown that is a number of the measurement: they are found by estimate() alone.
+void refuse_measurement_unknowns(const std::vector<UnknownDescription>& unknowns, IssueList& issues);
+
 /// Unit of a description's output, in SI.
 std::string unit_of(const OutputDescription& output);
 

@@ -32,6 +32,7 @@ std::vector<std::string> names_of(const std::vector<UnknownDescription>& unknown
 void check_numbers(const InferOptions& options, IssueList& issues) {
   if (options.unknowns.empty())
     issues.add({}, "unknowns: the list is empty", "a posterior is one of unknown parameters", "give at least one");
+  refuse_measurement_unknowns(options.unknowns, issues);
   if (options.samples < fewest_samples)
     issues.add({}, "samples: " + std::to_string(options.samples), "a posterior takes " + std::to_string(fewest_samples),
                "ask for more");

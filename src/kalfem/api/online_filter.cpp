@@ -5,6 +5,7 @@
 #include <cmath>
 #include <deque>
 
+#include "kalfem/api/filter_problem.hpp"
 #include "kalfem/api/online_loop.hpp"
 #include "kalfem/api/structure_description.hpp"
 #include "kalfem/system/signals/cubic_spline.hpp"
@@ -19,7 +20,9 @@ namespace {
 
 void require_online(const Structure& structure, const EstimateOptions& options) {
   IssueList issues;
-  const auto& [parts, elements, signals, by_velocity] = structure.description();
+  const auto& parts = structure.description().parts;
+  const auto& signals = structure.description().signals;
+  const auto& by_velocity = structure.description().by_velocity;
   for (std::size_t i = 0; i < signals.size(); ++i)
     if (!signals[i] && std::ranges::find(by_velocity, parts.inputs[i].name) != by_velocity.end())
       issues.add({}, "input '" + parts.inputs[i].name + "' is given by its velocity sample by sample",
@@ -34,6 +37,7 @@ void require_online(const Structure& structure, const EstimateOptions& options) 
   refuse(options.passes > 1, "passes");
   refuse(!options.known_to.empty(), "known_to");
   refuse(options.settle.has_value(), "settle");
+  refuse_measurement_unknowns(options.unknowns, issues);
   issues.raise();
 }
 

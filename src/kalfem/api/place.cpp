@@ -43,6 +43,7 @@ void check(const PlaceOptions& options, IssueList& issues) {
   if (!(options.duration > 0.0) || !std::isfinite(options.duration))
     issues.add({}, "duration: it is " + shortest(options.duration) + " s", "the expected record needs a length > 0",
                "");
+  refuse_measurement_unknowns(options.unknowns, issues);
   if (options.unknowns.empty())
     issues.add({}, "unknowns: the list is empty", "sensors are placed where they tell most of the unknowns",
                "give at least one");

@@ -6,6 +6,7 @@
 #include "kalfem/api/filter_problem.hpp"
 #include "kalfem/api/structure_description.hpp"
 #include "kalfem/base/units.hpp"
+#include "kalfem/identification/measurement_unknowns.hpp"
 #include "kalfem/vibration/driven_motion.hpp"
 
 namespace kalfem {
@@ -19,9 +20,9 @@ using Kept = std::vector<EstimatedQuantity>;
 /// The structure at the estimates. Unknowns that share a value set all of their parameters.
 Structure at_estimates(const Structure& structure, const EstimateOptions& options, const EstimateResult& estimate) {
   NamedValues values;
-  for (std::size_t i = 0; i < options.unknowns.size(); ++i) {
-    const auto& [name, prior] = options.unknowns[i];
-    const double found = estimate.parameters[i].mean;
+  for (const auto& [name, prior] : options.unknowns) {
+    if (is_measurement_unknown(name)) continue;
+    const double found = estimate.parameter(name).mean;
     if (prior.applies_to.empty()) values.emplace_back(name, found);
     for (const auto& target : prior.applies_to) values.emplace_back(target, found);
   }

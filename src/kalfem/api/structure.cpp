@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "kalfem/api/finite_element_substructure.hpp"
 #include "kalfem/api/structure_description.hpp"
@@ -60,11 +61,18 @@ std::vector<std::string> touched_points(const StructureParts& parts) {
   return points;
 }
 
-/// Throws InvalidInput where the value is not finite; whether it is physical is seen where the structure is used.
+/// Throws InvalidInput where the value is not finite, or belongs to finite elements that a case has assembled; whether
+/// it is physical is seen where the structure is used.
 void set_parameter(StructureDescription& description, const Parameter& parameter, double value) {
   if (!std::isfinite(value))
     throw InvalidInput("at '" + parameter.name + "': " + shortest(value), "it must be finite",
                        "give it in " + parameter.unit);
+  for (const auto& each : description.read.finite_elements)
+    if (each.part->name == parameter.owner)
+      throw InvalidInput("at '" + parameter.name + "'",
+                         "finite elements that were read with a case are assembled already",
+                         "read the case with another value of its key");
+  if (description.read.origin) description.read.set.emplace_back(parameter.name, value);
   if (set_parameter(description.parts, parameter, value)) return;
   for (auto& part : description.finite_elements)
     if (part.name() == parameter.owner) set_number(part, parameter.name.substr(parameter.owner.size() + 1), value);
@@ -171,22 +179,29 @@ Structure& Structure::force(const std::string& name, const std::string& point, S
 
 Structure& Structure::base_displacement(const std::string& name, const std::string& ground,
                                         const Samples& displacement) {
-  return base_displacement(name, ground, signal_of(name, displacement));
+  base_displacement(name, ground, signal_of(name, displacement));
+  description_->samples[name] = displacement;
+  return *this;
 }
 
 Structure& Structure::base_velocity(const std::string& name, const std::string& ground, const Samples& velocity) {
   const SignalPtr displacement = signal_of(name, velocity, true);
   base_velocity(name, ground);
   description_->signals.back() = displacement;
+  description_->samples[name] = velocity;
   return *this;
 }
 
 Structure& Structure::base_acceleration(const std::string& name, const Samples& acceleration) {
-  return base_acceleration(name, signal_of(name, acceleration));
+  base_acceleration(name, signal_of(name, acceleration));
+  description_->samples[name] = acceleration;
+  return *this;
 }
 
 Structure& Structure::force(const std::string& name, const std::string& point, const Samples& force) {
-  return this->force(name, point, signal_of(name, force));
+  this->force(name, point, signal_of(name, force));
+  description_->samples[name] = force;
+  return *this;
 }
 
 Structure& Structure::drive(const std::string& input, const Samples& samples) {
@@ -196,6 +211,7 @@ Structure& Structure::drive(const std::string& input, const Samples& samples) {
     known.push_back(name);
     if (name != input) continue;
     description_->signals[i] = signal_of(name, samples, is_by_velocity(*description_, name));
+    description_->samples[name] = samples;
     return *this;
   }
   throw InvalidInput("there is no input '" + input + "'" + did_you_mean(input, known), "samples drive an input",
@@ -262,6 +278,7 @@ StructurePtr make_structure_model(const StructureDescription& description, const
     model->finite_elements.push_back(make_substructure(given, {.attached = names_of(given.name(), touched),
                                                                .parameters = names_of(given.name(), use.parameters),
                                                                .sensor_bandwidth = use.sensor_bandwidth}));
+  std::ranges::copy(description.read.finite_elements, std::back_inserter(model->finite_elements));
   model->parts.finite_elements = model->reduced_parts();
   model->signals = description.signals;
   couple(model->parts);  // throws if names or units do not fit

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <limits>
+#include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -11,12 +13,26 @@
 
 namespace kalfem {
 
+/// Where a structure was read from; whoever reads it derives from this.
+struct StructureOrigin {
+  virtual ~StructureOrigin() = default;
+};
+
+/// What a structure keeps of the case that it was read from.
+struct ReadStructure {
+  std::vector<FiniteElementSubstructure> finite_elements;  ///< assembled and reduced
+  std::shared_ptr<const StructureOrigin> origin;
+  NamedValues set = {};  ///< that Structure::at() gave since, the last one counts
+};
+
 /// The contents of a Structure: descriptions, from which models are made on demand.
 struct StructureDescription {
   StructureParts parts;  ///< without finite elements
   std::vector<FiniteElements> finite_elements;
-  std::vector<SignalPtr> signals;             ///< one per input of the parts; nullptr if its values come online
-  std::vector<std::string> by_velocity = {};  ///< inputs that move a ground by samples of its velocity
+  std::vector<SignalPtr> signals;               ///< one per input of the parts; nullptr if its values come online
+  std::vector<std::string> by_velocity = {};    ///< inputs that move a ground by samples of its velocity
+  std::map<std::string, Samples> samples = {};  ///< of the inputs whose signals go through samples
+  ReadStructure read = {};
 };
 
 /// The use of a model of the structure.

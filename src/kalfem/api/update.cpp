@@ -101,11 +101,12 @@ ResidualSum sum_of(const std::vector<MadeComparison>& comparisons, std::size_t s
 
 /// From wide to no smoothing, each search from the end of the one before.
 LeastSquaresOutcome search(const std::vector<MadeComparison>& comparisons,
-                           const std::vector<UpdatingParameter>& parameters, int max_evaluations) {
+                           const std::vector<UpdatingParameter>& parameters, const UpdateOptions& given) {
   std::size_t steps = 1;
   for (const auto& each : comparisons) steps = std::max(steps, each.continuation.size());
-  LeastSquaresOptions options{.search = {.max_evaluations = max_evaluations, .cost_floor = 1e-6},
-                              .start = initial_values(parameters)};
+  LeastSquaresOptions options{
+      .search = {.max_evaluations = given.max_evaluations, .step_tolerance = given.tolerance, .cost_floor = 1e-6},
+      .start = initial_values(parameters)};
   for (std::size_t step = 0; step + 1 < steps; ++step)
     options.start = minimise(sum_of(comparisons, step), parameters, options).parameters;
   return minimise(sum_of(comparisons, steps - 1), parameters, options);
@@ -187,7 +188,7 @@ UpdateResult update(const Structure& structure, const UpdateOptions& options) {
       parameters, options);
   const VectorXd start = initial_values(parameters);
   const VectorXd first = first_values(sum_of(comparisons, std::numeric_limits<std::size_t>::max()), parameters);
-  const auto outcome = search(comparisons, parameters, options.max_evaluations);
+  const auto outcome = search(comparisons, parameters, options);
 
   UpdateResult result{.converged = outcome.usable(), .reason = outcome.reason()};
   for (std::size_t i = 0; i < parameters.size(); ++i) {

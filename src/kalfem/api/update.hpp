@@ -85,6 +85,7 @@ struct UpdateOptions {
   double above = 0.0;                              ///< modes up to this frequency are not elastic ones [Hz]
   std::vector<UpdateComparison> comparisons = {};  ///< further ones, or instead of `frequencies`
   int max_evaluations = 100;
+  double tolerance = 1e-6;  ///< the search ends once a step changes every parameter by less than this, relative
 };
 
 /// A measured frequency beside the model's.

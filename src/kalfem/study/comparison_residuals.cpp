@@ -52,6 +52,12 @@ std::vector<double> measured_frequencies(const d::Frequencies& given) {
   }
 }
 
+double deviation_of(const d::Value& given, double frequency) {
+  if (given.path.empty()) return default_frequency_deviation * frequency;
+  const bool relative = !given.value.bare && given.value.dimension == Dimension{};
+  return relative ? given.value.value * frequency : checked_number(given, "Hz", Bounds::positive());
+}
+
 /// A point by its name in the substructure: a degree of freedom or a named combination.
 DofCombination point_of(const LinearModel& model, const Name& name) {
   if (const auto point = model.points.find(name.value); point != model.points.end()) return point->second;
@@ -75,19 +81,7 @@ public:
   ComparisonResidual operator()(const d::ModalData& given) const {
     const auto model = structure_->model_of(given.substructure.value);
     const auto start_model = model->at(start()).model;
-    const auto frequencies = measured_frequencies(given.frequencies.value);
-    if (!given.model_modes.empty() && given.model_modes.size() != frequencies.size())
-      throw InvalidInput(given.frequencies.issue(std::to_string(frequencies.size()) + " frequencies and " +
-                                                     std::to_string(given.model_modes.size()) + " model_modes",
-                                                 "", "give the same number of each, or remove model_modes"));
-    std::vector<MeasuredMode> measured;
-    for (std::size_t i = 0; i < frequencies.size(); ++i) {
-      MeasuredMode mode;
-      mode.frequency = frequencies[i];
-      mode.deviation = deviation(given.deviation, frequencies[i]);
-      if (i < given.model_modes.size()) mode.model_mode = given.model_modes[i];
-      measured.push_back(std::move(mode));
-    }
+    std::vector<MeasuredMode> measured = measured_modes(given);
     std::vector<DofCombination> points;
     if (given.shapes) add_shapes(*given.shapes, start_model, measured, points);
     ModalResidualOptions options;
@@ -292,12 +286,6 @@ private:
     issues.raise();
   }
 
-  static double deviation(const d::Value& given, double frequency) {
-    if (given.path.empty()) return default_frequency_deviation * frequency;
-    const bool relative = !given.value.bare && given.value.dimension == Dimension{};
-    return relative ? given.value.value * frequency : checked_number(given, "Hz", Bounds::positive());
-  }
-
   static void add_shapes(const d::ShapeTable& given, const LinearModel& model, std::vector<MeasuredMode>& measured,
                          std::vector<DofCombination>& points) {
     const auto table = read_csv_table(given.file);
@@ -356,6 +344,21 @@ private:
 };
 
 }  // namespace
+
+std::vector<MeasuredMode> measured_modes(const d::ModalData& given) {
+  const auto frequencies = measured_frequencies(given.frequencies.value);
+  if (!given.model_modes.empty() && given.model_modes.size() != frequencies.size())
+    throw InvalidInput(given.frequencies.issue(std::to_string(frequencies.size()) + " frequencies and " +
+                                                   std::to_string(given.model_modes.size()) + " model_modes",
+                                               "", "give the same number of each, or remove model_modes"));
+  std::vector<MeasuredMode> measured;
+  for (std::size_t i = 0; i < frequencies.size(); ++i) {
+    MeasuredMode mode{.frequency = frequencies[i], .deviation = deviation_of(given.deviation, frequencies[i])};
+    if (i < given.model_modes.size()) mode.model_mode = given.model_modes[i];
+    measured.push_back(std::move(mode));
+  }
+  return measured;
+}
 
 void add_comparisons(const CaseStudy& study, UpdatingPlan& plan, std::vector<std::string>& warnings) {
   IssueList issues;

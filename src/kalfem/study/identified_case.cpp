@@ -27,12 +27,6 @@ std::optional<Dimension> dimension_of(const std::string& unit) try {
   return std::nullopt;  // "1/m^n" of a law, or none at all
 }
 
-/// A number in SI with its unit; a bare one where the unit cannot be written.
-d::Value value_in(double number, const std::string& unit) {
-  const auto dimension = dimension_of(unit);
-  return {{number, dimension.value_or(Dimension{}), !dimension}};
-}
-
 /// The law of an expression takes its parameters in whatever unit the user gave them.
 d::Value replaced(const d::Value& present, double number, const std::string& unit) {
   if (present.value.bare || present.value.dimension == Dimension{}) return value_in(number, unit);
@@ -248,6 +242,15 @@ private:
 };
 
 }  // namespace
+
+d::Value value_in(double number, const std::string& unit) {
+  const auto dimension = dimension_of(unit);
+  return {{number, dimension.value_or(Dimension{}), !dimension}};
+}
+
+bool put_value(d::Case& given, const StructureModel& structure, const Parameter& parameter, double value) {
+  return ParameterPlaces(given, structure).set(parameter, value);
+}
 
 IdentifiedCase identified_case(const Study& study, const IdentifiedValues& values) {
   Identification identification(study);

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "kalfem/base/units.hpp"
 #include "kalfem/study/study.hpp"
 
 namespace kalfem {
@@ -29,5 +30,12 @@ struct IdentifiedCase {
 /// `chain` whose springs or masses are identified becomes `masses` and `springs`. Keys that the user's file does not
 /// give are left out unless they changed. Files have absolute paths, numbers all their digits.
 IdentifiedCase identified_case(const Study& study, const IdentifiedValues& values);
+
+/// Writes a parameter's value into the description of a case that the structure was made from. Says whether the case
+/// has a place for it.
+bool put_value(description::Case& given, const StructureModel& structure, const Parameter& parameter, double value);
+
+/// A number in SI with its unit; a bare one where the unit cannot be written.
+Located<Quantity> value_in(double number, const std::string& unit);
 
 }  // namespace kalfem

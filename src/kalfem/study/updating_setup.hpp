@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "kalfem/study/case_study.hpp"
+#include "kalfem/updating/modal_residual.hpp"
 
 /// The case's `update` as parameters, search options and residuals of the library.
 namespace kalfem {
@@ -19,6 +20,10 @@ UpdatingPlan make_updating_plan(const CaseStudy& study, std::vector<std::string>
 /// Adds everything under `update.compare` to the plan, in the order of the file: residuals of the comparisons that need
 /// no record, and the requests of those that do. Throws InvalidInput with every problem and its place.
 void add_comparisons(const CaseStudy& study, UpdatingPlan& plan, std::vector<std::string>& warnings);
+
+/// The natural frequencies of a comparison, read from its table where it names one, without the shapes. Throws
+/// InvalidInput.
+std::vector<MeasuredMode> measured_modes(const description::ModalData& given);
 
 /// Checks the comparisons without computing: their substructures and sensors must exist, and so must the record if they
 /// need one. Problems go to `issues`.

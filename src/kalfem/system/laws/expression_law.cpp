@@ -124,15 +124,16 @@ private:
 
 class ExpressionLaw final : public ConnectorLaw {
 public:
-  explicit ExpressionLaw(const ExpressionLawOptions& options)
-      : parameters_(options.parameters), signals_(options.signals), programs_(options) {
+  explicit ExpressionLaw(const ExpressionLawOptions& options) : options_(options), programs_(options) {
     for (const auto& state : options.states) states_.push_back(state.quantity);
   }
 
+  [[nodiscard]] const ExpressionLawOptions& options() const { return options_; }
+
   [[nodiscard]] std::string name() const override { return "expression"; }
-  [[nodiscard]] const std::vector<LawQuantity>& parameters() const override { return parameters_; }
+  [[nodiscard]] const std::vector<LawQuantity>& parameters() const override { return options_.parameters; }
   [[nodiscard]] const std::vector<LawQuantity>& states() const override { return states_; }
-  [[nodiscard]] const std::vector<LawQuantity>& signals() const override { return signals_; }
+  [[nodiscard]] const std::vector<LawQuantity>& signals() const override { return options_.signals; }
   [[nodiscard]] bool uses_acceleration() const override { return programs_.uses_acceleration; }
   [[nodiscard]] bool vectorised() const override { return true; }
 
@@ -144,7 +145,8 @@ public:
   }
 
 private:
-  std::vector<LawQuantity> parameters_, states_, signals_;
+  ExpressionLawOptions options_;
+  std::vector<LawQuantity> states_;
   LawPrograms programs_;
 };
 
@@ -153,6 +155,11 @@ private:
 ConnectorLawPtr expression_law(const ExpressionLawOptions& options) {
   if (auto issues = find_issues(options); !issues.empty()) throw InvalidInput(std::move(issues));
   return std::make_shared<ExpressionLaw>(options);
+}
+
+const ExpressionLawOptions* expression_of(const ConnectorLaw& law) {
+  const auto* expression = dynamic_cast<const ExpressionLaw*>(&law);
+  return expression ? &expression->options() : nullptr;
 }
 
 }  // namespace kalfem

@@ -43,4 +43,7 @@ inline constexpr int max_internal_states = 8;
 /// step does not converge, gives a NaN force. Each thread has arrays of its own, which grow once.
 ConnectorLawPtr expression_law(const ExpressionLawOptions& options);
 
+/// The words that a law of expression_law() was made from; null for any other law.
+const ExpressionLawOptions* expression_of(const ConnectorLaw& law);
+
 }  // namespace kalfem
