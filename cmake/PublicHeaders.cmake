@@ -10,6 +10,7 @@ set(KALFEM_CORE_HEADERS
     base/interruption.hpp base/invalid_input.hpp base/progress.hpp
     diagnosis/diagnosis.hpp verdict/verdict.hpp
     estimation/consistency.hpp estimation/filter_kind.hpp estimation/parameter_transform.hpp identification/inference_choices.hpp identification/known_to.hpp identification/point_prior.hpp identification/unknown_scores.hpp
+    live/gate_options.hpp live/live_state.hpp live/online_options.hpp
     information/sensor_placement.hpp linalg/sparse_factor.hpp sampling/marginal_prior.hpp sampling/posterior_mode.hpp
     model/finite_element_model.hpp model/linear_model.hpp model/lumped.hpp model/unit_system.hpp
     model/elements/element.hpp model/mesh/mesh.hpp model/mesh/properties.hpp
@@ -26,9 +27,9 @@ set(KALFEM_STUDY_HEADERS analysis/analysis.hpp report/run_case.hpp)
 
 # The folders' libraries of each component; a component uses those before it.
 set(KALFEM_CORE_LIBRARIES base linalg statistics sampling information verdict records model reduction system dynamics estimation prediction updating
-                          identification inference placement validation vibration diagnosis api)
+                          identification inference placement validation vibration diagnosis live api)
 if(KALFEM_MPI)
   list(APPEND KALFEM_CORE_LIBRARIES distributed)
 endif()
 set(KALFEM_FORMATS_LIBRARIES formats)
-set(KALFEM_STUDY_LIBRARIES evolution yaml casefile study pictures page steps analysis report)
+set(KALFEM_STUDY_LIBRARIES evolution yaml casefile study watch pictures page steps analysis report)

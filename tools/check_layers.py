@@ -35,13 +35,15 @@ CORE = LIBRARY - {"formats", "verdict"}
 ALLOWED["identification"] = CORE | {"verdict"}
 ROOMS = {"inference", "placement", "validation", "vibration"}
 ALLOWED.update({room: CORE | {"identification"} for room in ROOMS})
-ALLOWED["casefile"] = LIBRARY | {"identification", "vibration", "yaml"}
+ALLOWED["live"] = CORE | {"identification", "verdict"}
+ALLOWED["casefile"] = LIBRARY | {"identification", "vibration", "live", "yaml"}
 ALLOWED["study"] = ALLOWED["casefile"] | {"casefile", "inference", "placement", "validation"}
 ALLOWED["diagnosis"] = CORE | {"identification", "validation", "verdict"}
-ALLOWED["api"] = ALLOWED["diagnosis"] | ROOMS | {"diagnosis"}
+ALLOWED["api"] = ALLOWED["diagnosis"] | ROOMS | {"diagnosis", "live"}
 ALLOWED["pictures"] = CORE | {"identification"}
 ALLOWED["page"] = NUMERICS | {"statistics", "records", "verdict", "pictures"}
 ALLOWED["steps"] = LIBRARY | ROOMS | {"identification", "diagnosis", "study", "pictures", "page"}
+ALLOWED["watch"] = ALLOWED["study"] | {"study"}
 ALLOWED["report"] = ALLOWED["steps"] | {"steps"}
 ALLOWED["analysis"] = ALLOWED["api"] | {"api", "yaml", "casefile", "study", "steps", "formats"}
 INCLUDE = re.compile(r'#include "kalfem/(\w+)/')

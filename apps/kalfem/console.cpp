@@ -74,6 +74,8 @@ void print_error_text(std::string_view text) {
   static_cast<void>(write_all(stderr, terminal_safe(text)));  // there is nowhere to say it
 }
 
+bool reader_has_gone() { return output_error == EPIPE; }
+
 void require_output() {
   if (output_error == 0 || output_error == EPIPE) return;
   if (output_error == EBADF)

@@ -41,6 +41,8 @@ void print_report(std::string_view text);
 /// "Verdict: consistent", on a terminal in the colour of the state.
 void print_verdict(std::optional<VerdictState> state);
 
+/// Whether the reader of stdout has gone.
+bool reader_has_gone();
 /// Throws WriteFailure where stdout did not take the text up to here.
 void require_output();
 

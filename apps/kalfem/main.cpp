@@ -29,6 +29,8 @@ struct Arguments {
   command::PlotArguments plot;
   command::SweepArguments sweep;
   command::DeckModesArguments deck;
+  command::WatchArguments watch;
+  command::PlayArguments play;
   std::string case_file, resumed, page, shell, topic, kind, folder;
   std::vector<std::string> units, files;
   bool json = false, quiet = false, laws = false, ledger = false, large = false;
@@ -121,6 +123,14 @@ command::ExitCode execute(const CLI::App& app, Arguments& arguments) {
   if (app.got_subcommand("report")) return command::report(arguments.folder, arguments.json);
   if (app.got_subcommand("compare")) return command::compare(arguments.files, arguments.json, arguments.page);
   if (app.got_subcommand("plot")) return command::plot(arguments.plot);
+  if (app.got_subcommand("watch")) {
+    arguments.watch.changes = arguments.run.changes;
+    return command::watch(arguments.watch);
+  }
+  if (app.got_subcommand("play")) {
+    arguments.play.changes = arguments.run.changes;
+    return command::play(arguments.play);
+  }
   if (app.got_subcommand("sweep")) {
     arguments.sweep.changes = arguments.run.changes;
     return command::sweep(arguments.sweep);
@@ -220,6 +230,40 @@ void add_sweep(CLI::App& app, Arguments& arguments) {
   add_changes(*sweep, arguments);
 }
 
+void add_live_verbs(CLI::App& app, Arguments& arguments) {
+  auto& watched = arguments.watch;
+  auto* watch = app.add_subcommand("watch", "estimate from samples as they come, for as long as they come");
+  watch->add_option("case", watched.case_file, "case file (YAML) with `live`")->required();
+  auto* log = watch->add_option("--log", watched.log, "keep every line that comes in at the end of this file")
+                  ->type_name("FILE");
+  auto* port = watch->add_option("--port", watched.port, "read lines at this TCP port of 127.0.0.1, not standard input")
+                   ->type_name("N")
+                   ->check(CLI::Range(1, 65535));
+  watch
+      ->add_option("--replay", watched.replay,
+                   "read such a file from its beginning, with the same estimates; no state is read or written")
+      ->type_name("FILE")
+      ->excludes(log)
+      ->excludes(port);
+  add_changes(*watch, arguments);
+  auto& played = arguments.play;
+  auto* play = app.add_subcommand("play", "publish the record of a case, or its simulation, for `watch`");
+  play->add_option("case", played.case_file, "case file (YAML) with `record` or `simulate`")->required();
+  play->add_option("--speed", played.speed, "so many times as fast as it was recorded; 0: as fast as it goes")
+      ->type_name("X")
+      ->check(CLI::Range(0.0, 1e9));
+  play->add_option("--block", played.block, "samples in a line; default: 10")
+      ->type_name("N")
+      ->check(CLI::Range(1, 10000));
+  play->add_option(
+          "--fault", played.faults,
+          "KIND:CHANNEL:FROM[:TO[:VALUE]], a sensor that is dead, has a spike or an offset, or a gap, in seconds "
+          "from the first sample; several times")
+      ->type_name("FAULT")
+      ->allow_extra_args(false);
+  add_changes(*play, arguments);
+}
+
 void add_verbs(CLI::App& app, Arguments& arguments) {
   app.formatter_fn([](const CLI::App* at, const std::string&, CLI::AppFormatMode) {
     return at->get_parent() ? command::help_of(usage_of(*at)) : command::overview(verbs_of(*at));
@@ -249,6 +293,7 @@ void add_verbs(CLI::App& app, Arguments& arguments) {
       ->type_name("FILE");
   add_units(*check, arguments);
   check->add_flag("--ledger", arguments.ledger, "list every field that a deck fills: used, told or refused");
+  add_live_verbs(app, arguments);
   auto* report = app.add_subcommand("report", "print again what a finished run printed");
   report->add_option("folder", arguments.folder, "folder of the results")->required();
   report->add_flag("--json", arguments.json, "print summary.json in place of the report");

@@ -12,6 +12,7 @@
 #include "kalfem/steps/simulation/outcome.hpp"
 #include "kalfem/steps/table.hpp"
 #include "kalfem/steps/updating/report.hpp"
+#include "kalfem/study/live_plan.hpp"
 #include "resume_note.hpp"
 #include "verbs.hpp"
 
@@ -26,6 +27,7 @@ fs::path output_folder(const std::string& case_file, const std::string& asked) {
 
 /// A verb that asks for one step needs its section.
 void require_section(const Study& study, std::string_view verb) {
+  if (verb == "estimate") require_no_stream(study);
   const RunStep* step = find_step(verb);
   if (!step || step->asked_for(study)) return;
   throw InvalidInput(Issue{{study.file, 1},

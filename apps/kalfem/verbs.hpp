@@ -86,6 +86,26 @@ struct DeckModesArguments {
 /// modes of a deck alone, at full order: a table, and the shapes for ParaView.
 ExitCode modes_of_deck(const DeckModesArguments& arguments);
 
+struct WatchArguments {
+  std::string case_file;
+  std::vector<std::string> changes;  ///< KEY=VALUE
+  std::string log;                   ///< file that keeps what comes in; empty: none
+  std::string replay;                ///< such a file, read in the place of a stream; empty: none
+  int port = 0;                      ///< of TCP on the loopback; 0: as the case says, or standard input
+};
+/// watch: a live case. Reads lines of samples until they end or it is asked to stop; lines of estimates go to stdout.
+/// Not usable where the filter has stopped.
+ExitCode watch(const WatchArguments& arguments);
+
+struct PlayArguments {
+  std::string case_file;
+  std::vector<std::string> changes, faults;
+  double speed = 1.0;  ///< of the clock; 0: as fast as it goes
+  int block = 10;      ///< samples a line
+};
+/// play: publishes the record of a case, or its simulation, as lines that `watch` reads.
+ExitCode play(const PlayArguments& arguments);
+
 struct InspectArguments {
   std::vector<std::string> files;
   bool as_json = false;

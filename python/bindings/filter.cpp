@@ -12,6 +12,33 @@ using Eigen::VectorXd;
 
 namespace {
 
+/// GateOptions from a dictionary of its numbers; nothing for None.
+std::optional<GateOptions> gates_of(const py::object& given) {
+  if (given.is_none()) return std::nullopt;
+  GateOptions gates;
+  const std::map<std::string, double*> numbers{{"limit", &gates.limit}, {"inflation", &gates.inflation}};
+  const std::map<std::string, int*> counts{{"warm_up", &gates.warm_up},
+                                           {"memory", &gates.memory},
+                                           {"suspend_after", &gates.suspend_after},
+                                           {"stuck", &gates.stuck},
+                                           {"patience", &gates.patience},
+                                           {"silence", &gates.silence},
+                                           {"most_events", &gates.most_events}};
+  for (const auto& [key, value] : py::reinterpret_borrow<py::dict>(given)) {
+    const auto name = key.cast<std::string>();
+    if (const auto number = numbers.find(name); number != numbers.end()) {
+      *number->second = value.cast<double>();
+    } else if (const auto count = counts.find(name); count != counts.end()) {
+      *count->second = value.cast<int>();
+    } else {
+      std::vector<std::string> known{"limit", "inflation"};
+      for (const auto& each : counts) known.push_back(each.first);
+      throw InvalidInput("gates: there is no '" + name + "'" + did_you_mean(name, known), "", "");
+    }
+  }
+  return gates;
+}
+
 template <class Work>
 auto without_gil(const Work& work) {
   const py::gil_scoped_release released;
@@ -106,6 +133,9 @@ public:
     const auto [mean, std] = without_gil([&] { return filter().state(name); });
     return py::make_tuple(mean, std);
   }
+
+  void write_state(const std::string& file) const { live_.write_state(file); }
+  void read_state(const std::string& file) { live_.read_state(file); }
 
   [[nodiscard]] OnlineFilter& filter() { return live_.filter(); }
   [[nodiscard]] const LiveFilter& live() const { return live_; }
@@ -202,6 +232,13 @@ py::dict parameters_of(PythonFilter& self) {
   return all;
 }
 
+py::list events_of(PythonFilter& self) {
+  py::list all;
+  for (const auto& event : self.filter().events())
+    all.append(py::make_tuple(event.time, to_string(event.kind), event.channel, event.text));
+  return all;
+}
+
 py::tuple consistency_of(PythonFilter& self) {
   const auto found = self.filter().consistency();
   return py::make_tuple(found.mean_nis, found.expected_nis, found.fraction_in_95);
@@ -212,14 +249,15 @@ py::tuple consistency_of(PythonFilter& self) {
 void bind_filter(py::module_& module) {
   py::class_<PythonFilter>(module, "Filter", "A filter that is moved by its caller: see kalfem.Filter.")
       .def(py::init([](const Structure& structure, double sample_rate, const py::dict& arguments, double start,
-                       double horizon, int input_delay, int window) {
+                       double horizon, int input_delay, int window, const py::object& gates) {
              refuse_relative_noise(arguments["sensors"]);
-             const LiveOptions live{
-                 .start = start, .horizon = horizon, .filter = {.input_delay = input_delay, .window = window}};
+             const LiveOptions live{.start = start,
+                                    .horizon = horizon,
+                                    .filter = {.input_delay = input_delay, .window = window, .gates = gates_of(gates)}};
              return std::make_unique<PythonFilter>(structure, sample_rate, options_of(structure, arguments), live);
            }),
            py::arg("structure"), py::arg("sample_rate"), py::arg("arguments"), py::arg("start"), py::arg("horizon"),
-           py::arg("input_delay"), py::arg("window"))
+           py::arg("input_delay"), py::arg("window"), py::arg("gates"))
       .def("predict", &PythonFilter::predict, py::arg("u") = py::none(), R"(Move to the next sample.
 
 Parameters
@@ -314,6 +352,14 @@ int
       .def_property_readonly(
           "usable", [](PythonFilter& self) { return self.filter().usable(); },
           "Whether its numbers can be relied on: it is running, and its verdict is not unusable.")
+      .def_property_readonly(
+          "condition", [](PythonFilter& self) { return to_string(self.filter().condition()); },
+          "``warming up``, ``consistent``, ``suspicious``, ``unusable`` or ``silent``.")
+      .def("_events", &events_of)
+      .def("write_state", &PythonFilter::write_state, py::arg("file"),
+           "Write all that later steps depend on to a file, which is replaced at once.")
+      .def("read_state", &PythonFilter::read_state, py::arg("file"),
+           "Go on from such a file of the same structure and options, with the same bits.")
       .def("_verdict", [](PythonFilter& self) { return summary_of(self.filter().verdict()); })
       .def("_consistency", &consistency_of)
       .def_property_readonly(

@@ -28,6 +28,15 @@ class Consistency(NamedTuple):
     fraction_in_95: float
 
 
+class Event(NamedTuple):
+    """Something that a filter with gates has noticed, and what it did."""
+
+    time: float
+    kind: str
+    channel: str
+    text: str
+
+
 class Filter(core.Filter):
     """A filter over samples as they come.
 
@@ -49,6 +58,10 @@ class Filter(core.Filter):
         the estimates.
     window : int
         Latest samples by which `usable` and `verdict` judge.
+    gates : bool or dict
+        Leave sensors out that lie, and take them again: see `events` and `condition`. A dictionary gives other numbers
+        than the usual ones: ``limit``, ``warm_up``, ``memory``, ``suspend_after``, ``stuck``, ``patience``,
+        ``inflation``, ``silence``, ``most_events``.
 
     Notes
     -----
@@ -88,6 +101,7 @@ class Filter(core.Filter):
         horizon: float = 10.0,
         input_delay: int = 8,
         window: int = 2000,
+        gates: bool | Mapping[str, float] = False,
     ):
         arguments = {
             "sensors": dict(sensors),
@@ -100,7 +114,8 @@ class Filter(core.Filter):
             "step_order": step_order,
             "threads": threads,
         }
-        super().__init__(structure, sample_rate, arguments, start, horizon, input_delay, window)
+        chosen = dict(gates) if isinstance(gates, Mapping) else {} if gates else None
+        super().__init__(structure, sample_rate, arguments, start, horizon, input_delay, window, chosen)
 
     def state(self, name: str) -> Estimate:
         """Mean and standard deviation now of ``body.2.displacement``, ``body.2.velocity``, or an output."""
@@ -110,6 +125,11 @@ class Filter(core.Filter):
     def verdict(self) -> Verdict:
         """Whether the innovations of the window are as large as expected and white, by :func:`kalfem.estimate`'s rules."""
         return Verdict.from_summary(self._verdict())
+
+    @property
+    def events(self) -> list[Event]:
+        """What the gates have noticed, the oldest first: spikes, sensors that are left out and taken again."""
+        return [Event(*each) for each in self._events()]
 
     @property
     def consistency(self) -> Consistency:

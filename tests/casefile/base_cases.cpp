@@ -571,6 +571,35 @@ estimate:
   unknown: {component.k: {initial: 1500, std: 500}}
 )";
 
+const std::string streaming = R"(kalfem: 1
+substructures:
+  frame:
+    masses: {1: 2 kg, 2: 3 kg}
+    grounds: [left]
+    springs:
+      - {from: left, to: 1, stiffness: 1e4, damping: 20}
+connectors:
+  joint: {from: frame.1, to: frame.2, law: linear, parameters: {k: 5 kN/m, c: 10 N s/m}}
+excitation:
+  floor: {base_displacement: frame.left, file: live, channel: x}
+sensors:
+  a: {acceleration: frame.2, noise: 0.1 m/s^2, channel: a1, gain: 2, offset: 0.1, delay: 0.01 s}
+live:
+  sample_rate: 200 Hz
+  unit: m/s^2
+  start: 0 s
+  horizon: 1 s
+  input_delay: 8
+  window: 1000
+  gated: true
+  gates: {limit: 6, warm_up: 500, memory: 100, suspend_after: 5, stuck: 8, patience: 1000, inflation: 10, silence: 100, most_events: 50}
+  every: 1 s
+  state: kept
+  port: 5001
+estimate:
+  unknown: {joint.k: {initial: 4 kN/m, std: 1 kN/m}}
+)";
+
 }  // namespace
 
 std::vector<BaseCase> base_cases() {
@@ -579,6 +608,7 @@ std::vector<BaseCase> base_cases() {
           {"expression", expression},
           {"local", local},
           {"recorded", recorded},
+          {"streaming", streaming},
           {"latent", latent},
           {"updating", updating},
           {"beams", beams},

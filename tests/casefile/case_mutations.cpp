@@ -66,7 +66,7 @@ bool has_free_names(const Json& schema) {
 
 /// Keys whose text may be anything.
 bool is_free_text(const std::string& key) {
-  static const std::set<std::string> free{"title", "name", "channel", "unit", "columns", "dataset", "grounds"};
+  static const std::set<std::string> free{"title", "name", "channel", "unit", "columns", "dataset", "grounds", "state"};
   return free.contains(key);
 }
 

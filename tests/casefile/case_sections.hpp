@@ -42,6 +42,7 @@ KeyChecks finite_element_keys();
 KeyChecks component_keys();
 KeyChecks excitation_keys();
 KeyChecks sensor_and_record_keys();
+KeyChecks live_keys();
 KeyChecks simulation_keys();
 KeyChecks estimation_keys();
 KeyChecks updating_keys();

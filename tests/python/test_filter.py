@@ -190,3 +190,39 @@ def test_errors_name_the_argument():
         live(horizon=-1.0)
     with pytest.raises(kf.InvalidInput, match="input_delay: -1 samples"):
         live(input_delay=-1)
+
+
+def test_gates_name_a_sensor_that_reads_zero():
+    _, u, data = record()
+    a5 = np.array(data["a5"])
+    a5[500:700] = 0.0
+    filter = live(gates={"warm_up": 200})
+    filter.begin(u[:1])
+    for k in range(1001):
+        if k > 0:
+            filter.predict(u[k : k + 1])
+        filter.update([data["a3"][k], a5[k]])
+    filter.flush()
+    kinds = [event.kind for event in filter.events if event.channel == "a5"]
+    assert "stuck" in kinds and "back" in kinds
+    assert abs(filter.parameters["suspension.mu_k1"].value - 20.0) < 0.2
+    assert filter.condition in ("consistent", "suspicious")
+    with pytest.raises(kf.InvalidInput, match="there is no 'limits'"):
+        live(gates={"limits": 3})
+
+
+def test_a_state_gives_the_same_bits(tmp_path):
+    _, u, data = record()
+    whole, first, second = live(gates=True), live(gates=True), live(gates=True)
+    file = str(tmp_path / "state")
+
+    def move(filter, begin, end):
+        for name, values in (("road", u[:, 0] if u.ndim == 2 else u), ("a3", data["a3"]), ("a5", data["a5"])):
+            filter.push(name, begin / RATE, values[begin:end])
+
+    move(whole, 0, 200), move(whole, 200, 400)
+    move(first, 0, 200)
+    first.write_state(file)
+    second.read_state(file)
+    move(second, 200, 400)
+    assert bits(second) == bits(whole)

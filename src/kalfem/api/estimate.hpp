@@ -17,6 +17,7 @@
 #include "kalfem/identification/known_to.hpp"
 #include "kalfem/identification/point_prior.hpp"
 #include "kalfem/identification/unknown_scores.hpp"
+#include "kalfem/live/live_state.hpp"
 #include "kalfem/verdict/verdict.hpp"
 
 namespace kalfem {
@@ -129,12 +130,6 @@ struct NormalisedInnovations {
 struct EstimatedQuantity {
   std::string name, unit;
   Eigen::VectorXd mean, std;
-};
-
-/// Why and when a filter stopped.
-struct FilterStop {
-  double time = 0.0;   ///< [s]
-  std::string reason;  ///< in words
 };
 
 /// Result of a filter over a record. After a stop, the remaining samples are NaN.

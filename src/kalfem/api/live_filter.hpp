@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -9,12 +10,7 @@
 
 namespace kalfem {
 
-/// When a LiveFilter goes on without what has not come.
-struct LiveOptions {
-  double start = 0.0;     ///< time of sample 0 [s]
-  double horizon = 10.0;  ///< by so much later than another channel may a channel come [s]
-  OnlineOptions filter = {};
-};
+class SampleQueue;
 
 /// A filter whose samples come channel by channel, in blocks, late or out of order:
 ///
@@ -53,9 +49,13 @@ public:
   [[nodiscard]] Eigen::Index samples() const;  ///< taken so far
   [[nodiscard]] Eigen::Index dropped() const;  ///< values that came behind the horizon, or twice
 
+  /// The filter's state with the samples that wait, to a file and from it: see OnlineFilter::write_state().
+  void write_state(const std::filesystem::path& file) const;
+  void read_state(const std::filesystem::path& file);
+
 private:
-  class Queue;
-  std::unique_ptr<Queue> queue_;
+  std::shared_ptr<SampleQueue> queue_;
+  OnlineFilter filter_;  ///< of the queue
 };
 
 }  // namespace kalfem

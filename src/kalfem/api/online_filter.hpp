@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -8,30 +9,11 @@
 
 #include "kalfem/api/estimate.hpp"
 #include "kalfem/estimation/consistency.hpp"
+#include "kalfem/live/online_options.hpp"
 
 namespace kalfem {
 
-/// An input at one instant: its value with its first and second time derivative. A force needs its value alone, an
-/// accelerated base too; a moving ground acts through velocity and acceleration.
-struct InputSample {
-  double value = 0.0, rate = 0.0, acceleration = 0.0;
-};
-
-/// Mean and standard deviation of a quantity now.
-struct PresentEstimate {
-  double mean = 0.0, std = 0.0;
-};
-
-/// How a filter treats samples as they come.
-struct OnlineOptions {
-  /// Samples by which the filter stays behind predict_values(). Its inputs are then the cubic spline of estimate(), to
-  /// 0.27^input_delay of its curvature. 0: no delay, and inputs that are straight between samples. The velocity of a
-  /// moved ground is then a staircase, which biases stiffnesses and damping; content of an input at a part x of the
-  /// sampling rate is too small by a part 3.3 x^2.
-  int input_delay = 8;
-  /// Latest samples by which usable() and verdict() judge.
-  int window = 2000;
-};
+class OnlineSteps;
 
 /// A filter that is moved from sample to sample by its caller, as a live system needs it:
 ///
@@ -42,6 +24,10 @@ struct OnlineOptions {
 ///       filter.update(y);
 ///       if (!filter.usable()) warn(filter.verdict());
 ///     }
+///
+/// With OnlineOptions::gates it can be left alone: a sensor that dies, sticks or jumps is left out before it does harm,
+/// and taken again once it gives what the filter expects; events() tells it. write_state() and read_state() carry it
+/// over a restart.
 ///
 /// The covariance moves in the modal coordinates of the linear part, where a step costs least. Where rounding makes it
 /// indefinite there (close poles), the filter goes on in physical coordinates from the estimate before the step, with
@@ -92,7 +78,11 @@ public:
   [[nodiscard]] const std::optional<FilterStop>& failure() const;
   /// Whether the innovations of the window are as large as the filter expects and white, by the rules of
   /// EstimateResult::verdict. Formed anew after each twentieth part of the window; consistent before the first one.
+  /// With gates a sensor that is left out is a reason, too.
   [[nodiscard]] const Verdict& verdict() const;
+  [[nodiscard]] FilterCondition condition() const;
+  /// What the gates have noticed, the latest GateOptions::most_events, the oldest first.
+  [[nodiscard]] std::vector<FilterEvent> events() const;
   /// Of the window: mean NIS, the expected one and how many samples lie in the 95 % band.
   [[nodiscard]] ConsistencySummary consistency() const;
 
@@ -107,9 +97,17 @@ public:
   [[nodiscard]] const Eigen::VectorXd& innovation() const;
   [[nodiscard]] double nis() const;
 
+  /// Writes all that later steps depend on to a file, which is replaced at once (docs/live.md has its format), and
+  /// reads it into a filter of the same structure and options: that one goes on with the same bits. read_state() throws
+  /// InvalidInput where the file is damaged, or is that of another structure, other options or another version.
+  void write_state(const std::filesystem::path& file) const;
+  void read_state(const std::filesystem::path& file);
+
 private:
-  class Steps;
-  std::unique_ptr<Steps> steps_;
+  friend class LiveFilter;
+  explicit OnlineFilter(std::shared_ptr<OnlineSteps> steps) : steps_(std::move(steps)) {}
+
+  std::shared_ptr<OnlineSteps> steps_;
 };
 
 }  // namespace kalfem

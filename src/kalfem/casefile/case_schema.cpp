@@ -367,6 +367,8 @@ Schema<Case> case_schema() {
           .optional("sensors", &Case::sensors, named(sensor()), "measured quantities")
           .optional("simulate", &Case::simulate, simulation(), "make the record by simulation")
           .optional("record", &Case::record, record(), "read the record from a file")
+          .optional("live", &Case::live, located(live()),
+                    "in place of a record: samples as they come, for `kalfem watch`")
           .optional("estimate", &Case::estimate, estimation(),
                     "estimate the states and unknown parameters from the record")
           .optional("validate", &Case::validate, located(validation()),

@@ -16,10 +16,13 @@ Schema<FiniteElements> finite_elements();
 Schema<Reduction> reduction();
 Schema<Substructure> substructure();
 Schema<Excitation> excitation();
+/// In the place of the file of an excitation whose samples come with the stream of `live`.
+inline constexpr const char* from_stream = "live";
 Schema<Estimation> estimation();
 Schema<Updating> updating();
 Schema<Modification> modification();
 Schema<Inference> inference();
+Schema<Live> live();
 Schema<Placement> placement();
 Schema<Statics> statics();
 Schema<FrequencyResponses> frequency_responses();

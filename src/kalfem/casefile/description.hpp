@@ -13,6 +13,7 @@
 #include "kalfem/casefile/finite_element_description.hpp"
 #include "kalfem/casefile/frequency_response_description.hpp"
 #include "kalfem/casefile/inference_description.hpp"
+#include "kalfem/casefile/live_description.hpp"
 #include "kalfem/casefile/static_description.hpp"
 #include "kalfem/casefile/update_description.hpp"
 #include "kalfem/dynamics/simulate.hpp"
@@ -244,6 +245,7 @@ struct Case {
   Named<Sensor> sensors;
   std::optional<Simulation> simulate;
   std::optional<Record> record;
+  std::optional<Located<Live>> live;
   std::optional<Estimation> estimate;
   std::optional<Located<Validation>> validate;
   std::optional<Prediction> predict;

@@ -61,6 +61,18 @@ std::vector<Issue> check_process(const UnknownInput& given) {
   return {};
 }
 
+/// A path; the word `live` is the stream, and no file.
+Schema<std::filesystem::path> table_or_stream() {
+  const auto table = path();
+  const auto read = [=](const CaseNode& node, std::filesystem::path& file) {
+    if (node.yaml().kind != YamlNode::Kind::scalar || node.yaml().text != from_stream) return table.read(node, file);
+    file = from_stream;
+    return true;
+  };
+  return make_schema<std::filesystem::path>(
+      read, [=](const std::filesystem::path& file) { return table.write(file); }, table.json_schema());
+}
+
 }  // namespace
 
 SignalKinds signal_kinds() {
@@ -136,7 +148,8 @@ Schema<Excitation> excitation_of_any_quantity() {
                              .required("sensor", &Alignment::sensor, name(), "that sensor");
   const auto file =
       Fields<FileSignal>()
-          .required("file", &FileSignal::file, path(), "table with a column of samples")
+          .required("file", &FileSignal::file, table_or_stream(),
+                    "table with a column of samples; `live`, or any, where they come with the stream of `live`")
           .required("channel", &FileSignal::channel, name(), "title of the column, with or without the unit")
           .optional("sample_rate", &FileSignal::sample_rate, number("Hz", plausible::frequency()),
                     "sampling rate, if the file has no time column")

@@ -95,6 +95,16 @@ FilterOutcome CovarianceFilter::observe(VectorXd& mean, VectorXd* deviation) {
   return FilterOutcome::usable;
 }
 
+void CovarianceFilter::keep(ArchiveWriter& archive) const {
+  archive(estimate_.mean);
+  archive(estimate_.covariance);
+}
+
+void CovarianceFilter::take_up(ArchiveReader& archive) {
+  archive(estimate_.mean);
+  archive(estimate_.covariance);
+}
+
 VectorXd CovarianceFilter::standard_deviation() const {
   return estimate_.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
 }

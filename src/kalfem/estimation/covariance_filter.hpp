@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "kalfem/base/resumable.hpp"
 #include "kalfem/estimation/filter.hpp"
 #include "kalfem/estimation/iterated_update.hpp"
 
 namespace kalfem {
 
 /// Carries mean and covariance: the UKF of Table 1, or with the linearised transform the EKF.
-class CovarianceFilter final : public Filter {
+class CovarianceFilter final : public Filter, public Resumable {
 public:
   CovarianceFilter(const FilterModel& model, const UnscentedTransform& transform)
       : Filter(model),
@@ -18,6 +19,8 @@ public:
   void reset(const Gaussian& estimate) override;
   FilterOutcome predict() override;
   FilterOutcome observe(Eigen::VectorXd& mean, Eigen::VectorXd* deviation) override;
+  void keep(ArchiveWriter& archive) const override;
+  void take_up(ArchiveReader& archive) override;
 
   Eigen::MatrixXd gain() const override { return gain_from(gain_, innovation_factor_); }
   const Eigen::VectorXd& mean() const override { return estimate_.mean; }

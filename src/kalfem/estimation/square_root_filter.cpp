@@ -38,6 +38,16 @@ void SquareRootFilter::reset(const Gaussian& estimate) {
   triangularise(array_, factor_);
 }
 
+void SquareRootFilter::keep(ArchiveWriter& archive) const {
+  archive(mean_);
+  archive(factor_);
+}
+
+void SquareRootFilter::take_up(ArchiveReader& archive) {
+  archive(mean_);
+  archive(factor_);
+}
+
 /// G Sigma G^T = added added^T - removed removed^T from the eigenvalues of the small Sigma.
 bool SquareRootFilter::split_scatter(const PartiallyLinearMap& map) {
   if (transform_.scatter().size() == 0) {  // of a linear map, which the solver does not take

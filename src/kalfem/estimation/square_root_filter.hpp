@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "kalfem/base/resumable.hpp"
 #include "kalfem/estimation/filter.hpp"
 #include "kalfem/estimation/iterated_update.hpp"
 
@@ -12,7 +13,7 @@ namespace kalfem {
 ///                                                       [ S        0             0    ]      [ J    S+ 0 ],
 /// so that no difference of covariances is ever formed. Only where a negative centre weight makes Sigma indefinite are
 /// its negative directions taken off by a downdate that refuses to leave the positive definite matrices.
-class SquareRootFilter final : public Filter {
+class SquareRootFilter final : public Filter, public Resumable {
 public:
   SquareRootFilter(const FilterModel& model, UnscentedTransform transform);
 
@@ -20,6 +21,8 @@ public:
   FilterOutcome predict() override;
   void set_process_noise(const Eigen::MatrixXd& noise) override;
   FilterOutcome observe(Eigen::VectorXd& mean, Eigen::VectorXd* deviation) override;
+  void keep(ArchiveWriter& archive) const override;
+  void take_up(ArchiveReader& archive) override;
 
   Eigen::MatrixXd gain() const override;
   const Eigen::VectorXd& mean() const override { return mean_; }

@@ -7,6 +7,7 @@
 #include "kalfem/steps/judge.hpp"
 #include "kalfem/steps/simulation/outcome.hpp"
 #include "kalfem/steps/table.hpp"
+#include "kalfem/study/live_plan.hpp"
 #include "kalfem/study/record_source.hpp"
 
 namespace kalfem {
@@ -51,6 +52,7 @@ void take_steps(const Study& study, std::string_view verb, const RunOptions& opt
 
 StudyResults run_study(const Study& study, std::string_view verb, const RunOptions& options) {
   const Stopwatch watch;
+  if (verb == every_step || verb == "estimate") require_no_stream(study);
   StudyResults results;
   try {
     take_steps(study, verb, options, results);

@@ -66,8 +66,8 @@ void check_sections(const d::Case& given, IssueList& issues) {
   if (given.simulate && given.record)
     issues.add(place("record"), "the case has both `simulate` and `record`", "there can be only one record",
                "remove one of them");
-  if (given.estimate && !given.simulate && !given.record)
-    issues.add(place("estimate"), "the case has `estimate` but no record", "", "add `simulate` or `record`");
+  if (given.estimate && !given.simulate && !given.record && !given.live)
+    issues.add(place("estimate"), "the case has `estimate` but no record", "", "add `simulate`, `record` or `live`");
   if (given.estimate && given.sensors.empty())
     issues.add(place("estimate"), "the case has `estimate` but no sensors", "",
                "add at least one sensor under `sensors`");

@@ -64,7 +64,8 @@ void check_driving_channels(const CaseStudy& study, IssueList& issues) {
   }
 }
 
-/// The first samples of the record; zeros if the record will be simulated. They suffice to make the filter with all its
+/// The first samples of the record; zeros if the record will be simulated or comes
+/// live. They suffice to make the filter with all its
 /// matrices, so that its problems show before the run.
 Record first_samples(const CaseStudy& study) {
   constexpr Index most = 100;
@@ -73,9 +74,9 @@ Record first_samples(const CaseStudy& study) {
     const Record& all = study.record->record;
     return {all.sample_rate, all.start, all.channels, all.values.leftCols(std::min(most, all.samples()))};
   }
-  const auto& simulated = *study.given.simulate;
-  const auto samples = std::min(most, static_cast<Index>(simulated.duration * simulated.sample_rate) + 1);
-  Record record{.sample_rate = simulated.sample_rate, .values = MatrixXd::Zero(sensors, samples)};
+  const double duration = study.given.simulate ? study.given.simulate->duration : 1.0;
+  const auto samples = std::min(most, static_cast<Index>(duration * study.sample_rate()) + 1);
+  Record record{.sample_rate = study.sample_rate(), .values = MatrixXd::Zero(sensors, samples)};
   for (const auto& sensor : study.sensors) record.channels.push_back({sensor.name, sensor.unit, 1.0});
   return record;
 }

@@ -90,7 +90,7 @@ private:
     const bool motion = std::visit([](const auto& observed) { return is_motion(observed.quantity); }, sensor.observed);
     if (!motion)
       warn({"sensors", name, "relative"}, "forces, deformations and strains do not depend on the base's motion");
-    if (!given_.record)
+    if (!given_.record && !given_.live)
       for (const char* key : {"channel", "gain", "offset", "delay"})
         warn({"sensors", name, key}, "the case reads no record");
   }

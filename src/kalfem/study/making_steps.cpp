@@ -12,7 +12,7 @@ namespace kalfem {
 
 StudyItem section_with_key(const std::string& key) {
   using enum StudyItem;
-  static constexpr std::array<std::pair<std::string_view, StudyItem>, 21> sections{
+  static constexpr std::array<std::pair<std::string_view, StudyItem>, 22> sections{
       {{"kalfem", version},
        {"title", title},
        {"substructures", substructures},
@@ -24,6 +24,7 @@ StudyItem section_with_key(const std::string& key) {
        {"sensors", sensors},
        {"simulate", simulate},
        {"record", record},
+       {"live", live},
        {"estimate", estimate},
        {"validate", validate},
        {"predict", predict},

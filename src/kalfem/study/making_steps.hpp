@@ -25,6 +25,7 @@ enum class StudyItem {
   sensors,
   simulate,
   record,
+  live,
   estimate,
   validate,
   predict,
@@ -59,7 +60,8 @@ enum class StudyItem {
   inference,
   placement,
   static_analysis,
-  responses
+  responses,
+  stream
 };
 using StudyItems = std::vector<StudyItem>;
 

@@ -173,16 +173,6 @@ void check_preparation(const description::Case& given) {
       "there are no samples between those of the slower channels", "leave it out, or export the channels at one rate"});
 }
 
-/// What the case knows of a sensor. Throws InvalidInput for a gain of 0 and an offset in another unit.
-ChannelCalibration calibration_of(const std::string& name, const description::Sensor& sensor) {
-  if (sensor.gain == 0.0)
-    throw InvalidInput(Issue{location_of(sensor), "sensors." + name + ".gain is 0",
-                             "such a channel holds nothing of its signal", "write its gain, or leave it out for 1"});
-  return {.gain = sensor.gain,
-          .offset = sensor.offset ? checked_number(*sensor.offset, unit_of(quantity_of(sensor))) : 0.0,
-          .delay = sensor.delay};
-}
-
 /// Puts signals in the place of what sensors recorded of them.
 void calibrate_sensors(PreparedRecord& prepared, const description::Case& given) {
   for (std::size_t j = 0; j < given.sensors.size(); ++j) {
@@ -260,6 +250,15 @@ auto of_record(const description::Case& given, const Reading& reading) {
 }
 
 }  // namespace
+
+ChannelCalibration calibration_of(const std::string& name, const description::Sensor& sensor) {
+  if (sensor.gain == 0.0)
+    throw InvalidInput(Issue{location_of(sensor), "sensors." + name + ".gain is 0",
+                             "such a channel holds nothing of its signal", "write its gain, or leave it out for 1"});
+  return {.gain = sensor.gain,
+          .offset = sensor.offset ? checked_number(*sensor.offset, unit_of(quantity_of(sensor))) : 0.0,
+          .delay = sensor.delay};
+}
 
 PreparedRecord read_measured_record(const description::Case& given) {
   return of_record(given, [&] { return read_prepared(given); });

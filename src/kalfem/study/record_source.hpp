@@ -2,6 +2,7 @@
 #pragma once
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/records/channel_calibration.hpp"
 #include "kalfem/records/record_preparation.hpp"
 #include "kalfem/study/study.hpp"
 
@@ -9,7 +10,11 @@ namespace kalfem {
 
 namespace description {
 struct Case;
-}
+struct Sensor;
+}  // namespace description
+
+/// What the case knows of a sensor. Throws InvalidInput for a gain of 0 and an offset in another unit.
+ChannelCalibration calibration_of(const std::string& name, const description::Sensor& sensor);
 
 /// Reads the channels of the case's sensors, one row a sensor in their order, and prepares the record as the case asks.
 /// Throws InvalidInput (missing file or channel, units that do not fit, samples that are not finite unless the case

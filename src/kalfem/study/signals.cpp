@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "kalfem/base/units.hpp"
+#include "kalfem/casefile/case_schema.hpp"
 #include "kalfem/formats/record_file.hpp"
 #include "kalfem/records/gap_bridge.hpp"
 #include "kalfem/records/oversampling.hpp"
@@ -207,6 +208,10 @@ private:
                               .name = name_});
   }
   SignalPtr from(const d::FileSignal& g) {
+    if (all_.given.live) return make_constant(0.0);  // its samples come with the stream
+    if (g.file == d::from_stream)
+      throw InvalidInput("`file: live` is given, but the case has no `live`",
+                         "there is no stream that it could come with", "name the table, or add `live`");
     PreparedRecord prepared{read_record_file(
         g.file,
         {{.column = g.channel.value,

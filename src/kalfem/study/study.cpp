@@ -17,6 +17,7 @@
 #include "kalfem/study/inference_plan.hpp"
 #include "kalfem/study/joints.hpp"
 #include "kalfem/study/known_to_of.hpp"
+#include "kalfem/study/live_plan.hpp"
 #include "kalfem/study/making_steps.hpp"
 #include "kalfem/study/placement_plan.hpp"
 #include "kalfem/study/record_source.hpp"
@@ -34,7 +35,9 @@ std::string Study::written_unit(const std::string& parameter) const {
 }
 
 double Study::sample_rate() const {
-  return record ? record->record.sample_rate : simulation ? simulation->sample_rate : 0.0;
+  if (record) return record->record.sample_rate;
+  if (simulation) return simulation->sample_rate;
+  return description && description->live ? description->live->value.sample_rate : 0.0;
 }
 
 namespace {
@@ -110,6 +113,7 @@ public:
     place_sensors();
     make_updating();
     make_estimation();
+    make_stream();
     make_validation();
     make_inference();
     make_statics();
@@ -196,6 +200,12 @@ private:
          [&](IssueList& issues) {
            if (study_.given.update && start_) check_driven_histories(study_, *start_, issues);
          });
+  }
+
+  void make_stream() {
+    step(stream, {live, excitation, placed_sensors, augmented_model}, {"live"}, [&](IssueList& issues) {
+      if (study_.given.live) check_live(study_, issues);
+    });
   }
 
   void make_validation() {

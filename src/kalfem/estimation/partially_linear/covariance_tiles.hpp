@@ -64,6 +64,10 @@ public:
   /// P in the order of the states.
   [[nodiscard]] Eigen::MatrixXd matrix(const TileLayout& layout) const;
 
+  /// Its values, to or from an archive; of tiles that were reset() before.
+  void transfer(auto& archive) { archive(values_); }
+  void transfer(auto& archive) const { archive(values_); }
+
 private:
   double* tile(Eigen::Index row, Eigen::Index column) {
     return values_.data() + (row * (row + 1) / 2 + column) * tile_size * tile_size;

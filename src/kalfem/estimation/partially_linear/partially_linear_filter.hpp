@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "kalfem/base/resumable.hpp"
 #include "kalfem/estimation/filter.hpp"
 #include "kalfem/estimation/partially_linear/projected_covariance.hpp"
 #include "kalfem/estimation/partially_linear/projected_map.hpp"
@@ -16,7 +17,7 @@ namespace kalfem {
 /// forms P H^T for the rows H that update and prediction ask for, so P is read and written once a step. Variances are
 /// widened by 1e-13 of themselves before each downdate, which keeps P positive semi-definite.
 /// Estimates are those of a covariance filter with SigmaPoints::of_arguments. docs/theory/partially-linear-ukf.md.
-class PartiallyLinearFilter final : public Filter {
+class PartiallyLinearFilter final : public Filter, public Resumable {
 public:
   /// `layout` is that of the process model's A.
   PartiallyLinearFilter(const FilterModel& model, const UnscentedOptions& options, TileLayout layout, int threads = 1);
@@ -25,6 +26,8 @@ public:
   FilterOutcome predict() override;
   void set_process_noise(const Eigen::MatrixXd& noise) override;
   FilterOutcome observe(Eigen::VectorXd& mean, Eigen::VectorXd* deviation) override;
+  void keep(ArchiveWriter& archive) const override { estimate_.keep(archive); }
+  void take_up(ArchiveReader& archive) override { estimate_.take_up(archive); }
 
   Eigen::MatrixXd gain() const override {
     return gain_from(estimate_.downdate()(layout_.slot, Eigen::all), innovation_factor_);

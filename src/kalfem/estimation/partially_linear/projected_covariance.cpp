@@ -31,6 +31,22 @@ void ProjectedCovariance::reset(const Gaussian& estimate) {
   complete_products();
 }
 
+void ProjectedCovariance::keep(ArchiveWriter& archive) const {
+  stored_.transfer(archive);
+  archive(downdate_waits_);
+  archive(downdate_);
+  archive(products_);
+  archive(gram_);
+}
+
+void ProjectedCovariance::take_up(ArchiveReader& archive) {
+  stored_.transfer(archive);
+  archive(downdate_waits_);
+  archive(downdate_);
+  archive(products_);
+  archive(gram_);
+}
+
 /// One pass over the stored P; a downdate that waits goes with it.
 void ProjectedCovariance::pass(CovarianceStep step, MatrixXd& product) {
   if (downdate_waits_) step.downdate = &downdate_;

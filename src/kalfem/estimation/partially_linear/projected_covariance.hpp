@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 
+#include "kalfem/base/resumable.hpp"
 #include "kalfem/estimation/gaussian.hpp"
 #include "kalfem/estimation/partially_linear/covariance_tiles.hpp"
 #include "kalfem/estimation/partially_linear/projected_rows.hpp"
@@ -14,11 +15,13 @@ namespace kalfem {
 /// belong to the estimate at any time. Only here is it known that the last update's J J^T has not been taken from the
 /// stored P yet: that waits for the next pass over P, which reads and writes all of it. K rows; slots are places of
 /// states in tiles (TileLayout).
-class ProjectedCovariance {
+class ProjectedCovariance final : public Resumable {
 public:
   ProjectedCovariance(ProjectedRows rows, TileLayout layout, int threads);
 
   void reset(const Gaussian& estimate);
+  void keep(ArchiveWriter& archive) const override;
+  void take_up(ArchiveReader& archive) override;
   /// x <- mean (slots x 1) and P by one pass, see CovarianceStep; its downdate and its rows are set here. `propagated`:
   /// the products of the propagated rows with the new P, slots x such rows.
   void propagate(CovarianceStep step, const Eigen::MatrixXd& propagated, const Eigen::MatrixXd& mean);

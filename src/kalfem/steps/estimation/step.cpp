@@ -7,6 +7,7 @@
 #include "kalfem/steps/inference/report.hpp"
 #include "kalfem/steps/judge.hpp"
 #include "kalfem/steps/run_step.hpp"
+#include "kalfem/study/live_plan.hpp"
 
 namespace kalfem {
 namespace {
@@ -126,7 +127,7 @@ std::vector<PlacedSection> sections(const Study& study, const StudyResults& resu
 RunStep estimation_step() {
   return {.name = "estimate",
           .meaning = "estimate the states and the unknown parameters, running the steps this needs",
-          .asked_for = [](const Study& study) { return study.augmented_model.has_value(); },
+          .asked_for = [](const Study& study) { return study.augmented_model.has_value() && !is_live(study); },
           .with = {"simulate"},
           .phases = &phases,
           .run = &estimate,

@@ -12,7 +12,7 @@
 #include "kalfem/steps/field_series.hpp"
 #include "kalfem/steps/reported_quantities.hpp"
 #include "kalfem/steps/run_study.hpp"
-#include "kalfem/steps/simulation/binary_archive.hpp"
+#include "kalfem/base/binary_archive.hpp"
 
 // The file: the fingerprint, every member of the simulation in the order of transfer(), and a hash of all that. One
 // function describes the members for both directions, so that what is written is what is read.

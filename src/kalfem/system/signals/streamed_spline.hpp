@@ -20,6 +20,7 @@ namespace kalfem {
 /// are those of the samples always, so the mean of the rate over an interval is exact.
 class StreamedSpline {
 public:
+  StreamedSpline() : StreamedSpline(0.0, 1.0) {}
   /// `first`: value of the sample at which it stands.
   StreamedSpline(double first, double sample_rate) : values_{first}, sample_rate_(sample_rate) {}
 
@@ -32,6 +33,14 @@ public:
   /// Moves to the next sample, one of those ahead. Returns value, rate and acceleration from the sample before to this
   /// one at equal distances, (parts + 1) x 3.
   SignalSamples move(Eigen::Index parts);
+
+  /// All of it, to an archive or from it.
+  static void transfer(auto& self, auto& archive) {
+    archive(self.values_);
+    archive(self.sample_rate_);
+    archive(self.curvature_);
+    archive(self.before_);
+  }
 
 private:
   /// Second derivatives at the present sample and at those ahead, per sampling interval squared.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <deque>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -28,21 +29,30 @@ public:
     (*this)(static_cast<std::int64_t>(values.size()));
     append(values.data(), static_cast<std::size_t>(values.size()));
   }
-  template <int Columns>
-  void operator()(const Eigen::Matrix<double, Eigen::Dynamic, Columns>& matrix) {
+  template <class T, int Columns>
+  void operator()(const Eigen::Matrix<T, Eigen::Dynamic, Columns>& matrix) {
     (*this)(static_cast<std::int64_t>(matrix.cols()));
     (*this)(static_cast<std::int64_t>(matrix.rows()));
     append(matrix.data(), static_cast<std::size_t>(matrix.size()));
   }
-  void operator()(const std::vector<double>& values) { list(values); }
+  template <class T, class Allocator>
+  requires std::is_arithmetic_v<T>
+  void operator()(const std::vector<T, Allocator>& values) { list(values); }
+  void operator()(const std::deque<double>& values) {
+    each(values, [&](double value) { (*this)(value); });
+  }
   template <class T>
   void operator()(const std::optional<T>& value) {
     (*this)(value.has_value());
     if (value) (*this)(*value);
   }
+  /// A value that may be missing; `of_value` writes it.
+  void maybe(const auto& value, const auto& of_value) {
+    (*this)(value.has_value());
+    if (value) of_value(*value);
+  }
   /// The length of a list; `of_item` writes each item.
-  template <class T>
-  void each(const std::vector<T>& values, const auto& of_item) {
+  void each(const auto& values, const auto& of_item) {
     (*this)(static_cast<std::int64_t>(values.size()));
     for (const auto& value : values) of_item(value);
   }
@@ -69,13 +79,18 @@ public:
     text.resize(count(1));
     take(text.data(), text.size());
   }
-  void operator()(std::vector<double>& values) {
-    values.resize(count(sizeof(double)));
+  template <class T, class Allocator>
+  requires std::is_arithmetic_v<T>
+  void operator()(std::vector<T, Allocator>& values) {
+    values.resize(count(sizeof(T)));
     take(values.data(), values.size());
   }
-  template <int Columns>
-  void operator()(Eigen::Matrix<double, Eigen::Dynamic, Columns>& matrix) {
-    const std::size_t columns = count(0), rows = count(columns * sizeof(double));
+  void operator()(std::deque<double>& values) {
+    each(values, [&](double& value) { (*this)(value); });
+  }
+  template <class T, int Columns>
+  void operator()(Eigen::Matrix<T, Eigen::Dynamic, Columns>& matrix) {
+    const std::size_t columns = count(0), rows = count(columns * sizeof(T));
     matrix.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
     take(matrix.data(), rows * columns);
   }
@@ -83,10 +98,16 @@ public:
   void operator()(std::optional<T>& value) {
     bool there = false;
     (*this)(there);
+    value.reset();
     if (there) (*this)(value.emplace());
   }
-  template <class T>
-  void each(std::vector<T>& values, const auto& of_item) {
+  void maybe(auto& value, const auto& of_value) {
+    bool there = false;
+    (*this)(there);
+    value.reset();
+    if (there) of_value(value.emplace());
+  }
+  void each(auto& values, const auto& of_item) {
     values.resize(count(1));
     for (auto& value : values) of_item(value);
   }

@@ -6,21 +6,27 @@
 #include <string>
 #include <vector>
 
-#include "kalfem/api/filter_problem.hpp"
-#include "kalfem/api/innovation_window.hpp"
-#include "kalfem/api/online_filter.hpp"
+#include "kalfem/base/binary_archive.hpp"
 #include "kalfem/estimation/failure.hpp"
 #include "kalfem/estimation/filter_setup.hpp"
+#include "kalfem/live/filter_problem.hpp"
+#include "kalfem/live/innovation_window.hpp"
+#include "kalfem/live/last_consistent.hpp"
+#include "kalfem/live/sensor_gate.hpp"
 
 namespace kalfem {
 
 /// A filter with its model and present state, moved from sample to sample. move() sets the inputs of an interval and
 /// predicts over it. update() conditions on the sensors and, once the unknowns of the linear part have moved far
 /// enough, relinearises the model. After a stop both return false and change nothing.
+///
+/// With gates, SensorGate decides before each update which sensors it learns from. Where it blames the filter, or where
+/// innovations that were consistent are no longer, the filter's deviations are widened; where that does not help, and
+/// where the filter stops, it begins anew from LastConsistent.
 class OnlineLoop {
 public:
-  /// `window`: samples over which its innovations are judged. Throws InvalidInput as OnlineFilter does.
-  OnlineLoop(const Structure& structure, double sample_rate, const EstimateOptions& options, Eigen::Index window);
+  /// `window`: samples over which its innovations are judged. Throws InvalidInput as make_filter_run() does.
+  OnlineLoop(FilterProblem problem, Eigen::Index window, const std::optional<GateOptions>& gates);
 
   /// The inputs at the present sample, [r; r'; r''] one after the other, 3 n_u.
   void set_inputs(Eigen::VectorXd inputs) { inputs_ = std::move(inputs); }
@@ -34,8 +40,12 @@ public:
 
   /// Mean and standard deviation of a motion or an output; throws InvalidInput where there is none of that name.
   [[nodiscard]] PresentEstimate observe(const std::string& name);
-  [[nodiscard]] ParameterEstimate parameter(std::size_t i) const;
+  /// Names that observe() knows, in its order, and all of them at once.
+  [[nodiscard]] std::vector<std::string> observed() const;
+  [[nodiscard]] std::vector<PresentEstimate> observe_all();
+  [[nodiscard]] PresentParameter parameter(std::size_t i) const;
   [[nodiscard]] std::size_t unknowns() const { return model_->options().unknowns.size(); }
+  [[nodiscard]] const std::vector<Sensor>& sensors() const { return made_.setup.sensors; }
   [[nodiscard]] bool in_physical_coordinates() const;
 
   [[nodiscard]] Eigen::Index instants() const { return model_->options().instants(); }
@@ -45,7 +55,17 @@ public:
   [[nodiscard]] const std::optional<FilterStop>& failure() const { return failure_; }
   [[nodiscard]] const Eigen::VectorXd& innovation() const { return innovation_; }
   [[nodiscard]] double nis() const { return nis_; }
-  [[nodiscard]] const InnovationWindow& window() const { return window_; }
+  [[nodiscard]] ConsistencySummary consistency() const { return window_.consistency(); }
+  /// Reasons of the window, and of the sensors that are left out.
+  [[nodiscard]] const Verdict& verdict() const { return verdict_; }
+  [[nodiscard]] FilterCondition condition() const;
+  /// The latest events; none without gates.
+  [[nodiscard]] const EventLog& log() const { return gate_.log(); }
+
+  /// All that later steps depend on, to an archive or from it. take_up() makes the model anew where it has been
+  /// relinearised; after DamagedArchive the loop is not to be used.
+  void keep(ArchiveWriter& archive) const;
+  void take_up(ArchiveReader& archive);
 
 private:
   template <class SetInputs>
@@ -55,14 +75,24 @@ private:
   template <class Step>
   bool went_on(const Step& step);
   bool stop_unless_usable(FilterOutcome outcome);
+  void gate_channels(const Eigen::VectorXd& measured);
+  [[nodiscard]] bool has_become_wrong();
+  void doubt_itself(const std::string& why);
+  void was_changed(FilterEventKind how, const std::string& text);
+  bool begin_anew(const std::string& why);
+  void form_verdict();
+  void renew_verdict();
   /// Carries the estimate over to a model in physical coordinates; false where it stands in these already or is not
   /// finite.
   bool use_physical_coordinates();
+  void make_physical_model();
+  [[nodiscard]] std::shared_ptr<const AugmentedModel> about_the_estimate() const;
+  [[nodiscard]] Gaussian estimate() const { return {setup_->filter->mean(), setup_->filter->covariance()}; }
   /// Values and deviations of the unknowns of the linear part, now or by their prior.
   [[nodiscard]] LinearEstimate linear_estimate(bool prior) const;
   bool linearise_where_it_moved();
+  static void transfer(auto& self, auto& archive);
 
-  std::vector<SensorDescription> sensors_;
   FilterProblem made_;
   double step_;  ///< [s]
   EstimationOptions options_;
@@ -70,6 +100,7 @@ private:
   std::unique_ptr<FilterSetup> setup_;
   std::vector<Eigen::Index> linear_unknowns_;
   LinearEstimate linearised_about_;
+  bool relinearised_ = false;  ///< whether the model of `setup_` is not `model_` itself
   Eigen::MatrixXd noise_;
   Eigen::VectorXd inputs_;  ///< at the present sample
   Eigen::VectorXd innovation_;
@@ -77,6 +108,19 @@ private:
   long sample_ = 0;
   std::optional<FilterStop> failure_;
   InnovationWindow window_;
+  Verdict verdict_;
+
+  GateOptions gates_;
+  bool gated_;
+  SensorGate gate_;
+  Eigen::VectorXd taken_;  ///< the measured values less those that the gate refuses
+  Innovation expected_;
+  LastConsistent last_consistent_;
+  long changed_ = -1;            ///< sample at which the filter was last widened or begun anew
+  bool widened_ = false;         ///< since it last was consistent
+  bool was_consistent_ = false;  ///< since it last was changed
+  int unusable_ = 0;             ///< samples for which the window has been
+  long seen_changes_ = 0;        ///< of the gate
 };
 
 }  // namespace kalfem

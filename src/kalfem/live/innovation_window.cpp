@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kalfem/api/innovation_window.hpp"
+#include "kalfem/live/innovation_window.hpp"
 
 #include <algorithm>
 #include <limits>
-
-#include "kalfem/api/filter_problem.hpp"
 
 namespace kalfem {
 
@@ -19,14 +17,14 @@ constexpr Index fewest_samples = 50;  ///< of which a verdict is formed
 
 }  // namespace
 
-InnovationWindow::InnovationWindow(const std::vector<SensorDescription>& sensors, double sample_rate, Index length) {
+InnovationWindow::InnovationWindow(const std::vector<Sensor>& sensors, double sample_rate, Index length) {
   const Index count = std::ssize(sensors);
   ring_.sample_rate = sample_rate;
   ring_.noise.resize(count);
   for (Index i = 0; i < count; ++i) {
     const auto& sensor = sensors[static_cast<std::size_t>(i)];
     ring_.sensors.push_back(sensor.name);
-    ring_.units.push_back(unit_of(sensor.output));
+    ring_.units.push_back(sensor.unit);
     ring_.noise[i] = sensor.noise;
   }
   ring_.innovation.setConstant(count, length, not_a_number);
@@ -35,7 +33,7 @@ InnovationWindow::InnovationWindow(const std::vector<SensorDescription>& sensors
   ring_.measured.setZero(length);
 }
 
-void InnovationWindow::add(double time, const Innovation& innovation) {
+bool InnovationWindow::add(double time, const Innovation& innovation) {
   const Index length = ring_.nis.size(), at = count_ % length;
   ring_.innovation.col(at).setConstant(not_a_number);
   ring_.deviation.col(at).setConstant(not_a_number);
@@ -48,9 +46,9 @@ void InnovationWindow::add(double time, const Innovation& innovation) {
   }
   ++count_;
   latest_ = time;
-  if (count_ < fewest_samples || count_ % std::max<Index>(1, length / parts) != 0) return;
-  verdict_ = Verdict();
-  verdict_.add(innovation_reasons(record()));
+  if (count_ < fewest_samples || count_ % std::max<Index>(1, length / parts) != 0) return false;
+  reasons_ = innovation_reasons(record());
+  return judges_ = true;
 }
 
 InnovationRecord InnovationWindow::record() const {

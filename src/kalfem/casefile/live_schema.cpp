@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kalfem/casefile/case_schema.hpp"
+#include "kalfem/casefile/live_description.hpp"
+#include "kalfem/casefile/plausible.hpp"
+#include "kalfem/yaml/map_schema.hpp"
+
+namespace kalfem::description {
+
+using namespace schema;
+
+namespace {
+
+Schema<GateOptions> gates() {
+  constexpr int many = 10'000'000;
+  return mapping(
+      Fields<GateOptions>()
+          .optional("limit", &GateOptions::limit, number("-", Bounds::between(3, 1e6)),
+                    "a value is left out where its innovation, given the other channels, is larger than this in "
+                    "expected deviations")
+          .optional("warm_up", &GateOptions::warm_up, integer(0, many),
+                    "samples at the start, and after the filter has doubted itself, that are not gated")
+          .optional("memory", &GateOptions::memory, integer(20, 100'000),
+                    "latest samples by which a channel is judged; so many good ones bring it back")
+          .optional("suspend_after", &GateOptions::suspend_after, integer(1, 100'000),
+                    "values left out among these after which the channel is out until it is good again")
+          .optional("stuck", &GateOptions::stuck, integer(3, 100'000),
+                    "equal values in succession, while the prediction moves, after which a channel is stuck")
+          .optional("patience", &GateOptions::patience, integer(1, many),
+                    "samples for which most working channels may contradict the filter before it doubts itself")
+          .optional("inflation", &GateOptions::inflation, number("-", Bounds::between(1, 1e6)),
+                    "it then widens its deviations by this factor")
+          .optional("silence", &GateOptions::silence, integer(1, many),
+                    "samples without a value after which a channel counts as missing")
+          .optional("most_events", &GateOptions::most_events, integer(1, 1'000'000), "latest events that are kept"));
+}
+
+}  // namespace
+
+Schema<Live> live() {
+  return mapping(
+      Fields<Live>()
+          .required("sample_rate", &Live::sample_rate, number("Hz", plausible::frequency()),
+                    "sampling rate of every channel")
+          .optional("unit", &Live::unit, located(text()),
+                    "unit of the channels; for accelerations, g is standard gravity; default: the units in the titles "
+                    "of CSV (\"a [g]\"), otherwise SI")
+          .optional("start", &Live::start, number("s", plausible::clock()),
+                    "time of the first sample; default: that of the first one that comes")
+          .optional("horizon", &Live::horizon, number("s", plausible::duration()),
+                    "by so much later than another channel may a channel come; what comes later is left out")
+          .optional("input_delay", &Live::input_delay, integer(0, 1000),
+                    "samples by which the filter stays behind its inputs, whose spline needs later ones")
+          .optional("window", &Live::window, integer(100, 10'000'000), "latest samples by which the verdict is formed")
+          .optional("gated", &Live::gated, boolean(), "leave sensors out that lie, and take them again")
+          .optional("gates", &Live::gates, gates(), "when that is done")
+          .optional("every", &Live::every, number("s", plausible::duration()),
+                    "time of the stream between two lines of estimates")
+          .optional("state", &Live::state, path(false),
+                    "folder of the filter's state, from which a later start goes on; default: beside the case")
+          .optional("port", &Live::port, integer(1, 65535),
+                    "TCP port on this computer that lines are read from, in place of standard input"));
+}
+
+}  // namespace kalfem::description

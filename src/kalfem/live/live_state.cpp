@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kalfem/live/live_state.hpp"
+
+namespace kalfem {
+
+std::string to_string(FilterCondition condition) {
+  switch (condition) {
+    case FilterCondition::warming_up:
+      return "warming up";
+    case FilterCondition::consistent:
+      return "consistent";
+    case FilterCondition::suspicious:
+      return "suspicious";
+    case FilterCondition::unusable:
+      return "unusable";
+    case FilterCondition::silent:
+      return "silent";
+  }
+  return {};
+}
+
+std::string to_string(FilterEventKind kind) {
+  switch (kind) {
+    case FilterEventKind::spike:
+      return "spike";
+    case FilterEventKind::stuck:
+      return "stuck";
+    case FilterEventKind::saturated:
+      return "saturated";
+    case FilterEventKind::dead:
+      return "dead";
+    case FilterEventKind::off:
+      return "off";
+    case FilterEventKind::missing:
+      return "missing";
+    case FilterEventKind::back:
+      return "back";
+    case FilterEventKind::inflated:
+      return "inflated";
+    case FilterEventKind::restarted:
+      return "restarted";
+  }
+  return {};
+}
+
+}  // namespace kalfem

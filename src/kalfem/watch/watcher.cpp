@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kalfem/watch/watcher.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "kalfem/base/text.hpp"
+#include "kalfem/base/units.hpp"
+#include "kalfem/formats/unit_labels.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+/// From the unit of the stream to SI.
+double factor_of(const StreamBlock& block, const LiveChannel& channel) {
+  const std::string unit = channel.given.empty() ? understood_unit(block.unit) : channel.given;
+  return unit.empty() ? 1.0 : parse_unit_as(unit, channel.unit).factor;
+}
+
+}  // namespace
+
+Watcher::Watcher(LivePlan plan, std::function<void(const std::string&)> say,
+                 std::function<void(const std::string&)> complain)
+    : plan_(std::move(plan)),
+      say_(std::move(say)),
+      complain_(std::move(complain)),
+      queue_(plan_.problem, plan_.inputs, plan_.options),
+      origin_(plan_.start),
+      every_(std::max(1L, std::lround(plan_.every / loop().step()))) {
+  queue_.steps().after_each_sample([this] { after_sample(); });
+}
+
+void Watcher::take(std::string_view line) {
+  ++lines_;
+  try {
+    for (const auto& block : reader_.read(line)) take_block(block);
+  } catch (const InvalidInput& error) {
+    ++bad_lines_;
+    complain_("line " + std::to_string(lines_) + ": " + error.what());
+  }
+}
+
+/// The channel of a column; null where the case has none, which is told once.
+const LiveChannel* Watcher::channel_of(const StreamBlock& block) {
+  constexpr std::size_t most_told = 100;
+  const auto found = std::ranges::find(plan_.channels, block.column, &LiveChannel::column);
+  if (found != plan_.channels.end()) return &*found;
+  if (unknown_columns_.size() < most_told && unknown_columns_.insert(block.column).second) {
+    std::vector<std::string> known;
+    for (const auto& channel : plan_.channels) known.push_back(channel.column);
+    complain_("line " + std::to_string(lines_) + ": the case has no channel '" + block.column + "'" +
+              did_you_mean(block.column, known) + "; it is left out from now on");
+  }
+  return nullptr;
+}
+
+void Watcher::take_block(const StreamBlock& block) {
+  const LiveChannel* channel = channel_of(block);
+  if (!channel || block.values.empty()) return;
+  const double rate = 1.0 / loop().step();
+  if (block.interval > 0.0 && std::abs(block.interval * rate - 1.0) > 1e-3 && block.values.size() > 1)
+    throw InvalidInput("the values of '" + channel->column + "' are " + shortest(block.interval) + " s apart",
+                       "the case states a sampling rate of " + shortest(rate) + " Hz",
+                       "correct live.sample_rate, or resample the channel");
+  const double factor = factor_of(block, *channel);
+  const auto& [gain, offset, delay] = channel->calibration;
+  const double time = block.time - delay;
+  if (!origin_) origin_ = time;
+  VectorXd values(std::ssize(block.values));
+  for (Index i = 0; i < values.size(); ++i)
+    values[i] = (block.values[static_cast<std::size_t>(i)] * factor - offset) / gain;
+  if (!channel->is_input) {
+    queue_.push(channel->name, time - *origin_, values);
+    return;
+  }
+  for (Index i = 0; i < values.size(); ++i)  // a missing sample of an input is left out: the last value is held
+    if (std::isfinite(values[i]))
+      queue_.push(channel->name, time - *origin_ + static_cast<double>(i) / rate, values.segment(i, 1));
+}
+
+void Watcher::after_sample() {
+  if (loop().sample() % every_ == 0) tell();
+}
+
+void Watcher::tell() {
+  const auto& log = loop().log();
+  Json line;
+  line["t"] = number(time());
+  line["condition"] = to_string(loop().condition());
+  line["verdict"] = to_string(loop().verdict().state());
+  auto& reasons = line["reasons"] = Json::array();
+  for (const auto& reason : loop().verdict().reasons())
+    reasons.push_back({{"code", reason.code}, {"subject", reason.subject}, {"text", reason.text}});
+  auto& parameters = line["parameters"] = Json::object();
+  for (std::size_t i = 0; i < loop().unknowns(); ++i) {
+    const auto now = loop().parameter(i);
+    parameters[now.name] = {{"estimate", number(now.mean)}, {"std", number(now.std)}, {"unit", now.unit}};
+  }
+  auto& outputs = line["outputs"] = Json::object();
+  const auto names = loop().observed();
+  const auto observed = loop().observe_all();
+  for (std::size_t i = 0; i < names.size(); ++i)
+    outputs[names[i]] = {{"mean", number(observed[i].mean)}, {"std", number(observed[i].std)}};
+  auto& events = line["events"] = Json::array();
+  const auto fresh = std::min<std::int64_t>(log.total() - told_events_, std::ssize(log.events()));
+  for (auto event = log.events().end() - fresh; event != log.events().end(); ++event)
+    events.push_back({{"t", number(origin_.value_or(0.0) + event->time)},
+                      {"kind", to_string(event->kind)},
+                      {"channel", event->channel},
+                      {"text", event->text}});
+  told_events_ = log.total();
+  line["samples"] = queue_.samples();
+  line["late"] = queue_.dropped();
+  line["bad_lines"] = bad_lines_;
+  if (const auto& failure = loop().failure()) line["failure"] = failure->reason;
+  say_(line.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+void Watcher::transfer(auto& self, auto& archive) {
+  archive(self.origin_);
+  archive(self.lines_);
+  archive(self.logged_);
+  archive(self.bad_lines_);
+  archive(self.told_events_);
+}
+
+void Watcher::keep(ArchiveWriter& archive) const {
+  reader_.keep(archive);
+  queue_.keep(archive);
+  transfer(*this, archive);
+}
+
+void Watcher::take_up(ArchiveReader& archive) {
+  reader_.take_up(archive);
+  queue_.take_up(archive);
+  transfer(*this, archive);
+}
+
+}  // namespace kalfem

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kalfem/watch/watcher.hpp"
+
+#include <random>
+
+#include "api/quarter_car.hpp"
+#include "kalfem/live/state_file.hpp"
+#include "kalfem/study/study.hpp"
+#include "kalfem/watch/playback.hpp"
+#include "live_case.hpp"
+
+namespace kalfem::live_case {
+namespace {
+
+using Json = nlohmann::json;
+using testing::HasSubstr;
+
+constexpr double duration = 20.0;
+
+const Record& drive() {
+  static const Record record = quarter_car::drive(duration, quarter_car::road_of(duration));
+  return record;
+}
+
+Eigen::VectorXd road() {
+  return quarter_car::road_of(duration)->sample(0.0, 1.0 / quarter_car::rate, drive().samples()).col(0).matrix();
+}
+
+/// What is published of the drive.
+const Playback& published() {
+  static const Playback playback{
+      .sample_rate = quarter_car::rate,
+      .channels = {
+          {"wheel", drive().values.row(0).transpose()}, {"body", drive().values.row(1).transpose()}, {"road", road()}}};
+  return playback;
+}
+
+std::vector<std::string> lines_of(const Playback& playback, Eigen::Index block) {
+  std::vector<std::string> lines;
+  for (Eigen::Index first = 0; first < playback.samples(); first += block)
+    for (auto& line : playback.lines(first, std::min(block, playback.samples() - first)))
+      lines.push_back(std::move(line));
+  return lines;
+}
+
+LivePlan plan_of(const std::string& text) {
+  const ScratchFolder folder("watch_plan");
+  return make_live_plan(load_study(written(folder / "live.yaml", text)));
+}
+
+/// A watcher with all that it says.
+struct Watched {
+  std::vector<std::string> said, complaints;
+  Watcher watcher;
+
+  explicit Watched(const std::string& text = live())
+      : watcher(
+            plan_of(text), [this](const std::string& line) { said.push_back(line); },
+            [this](const std::string& line) { complaints.push_back(line); }) {}
+
+  void take(const std::vector<std::string>& lines) {
+    for (const auto& line : lines) watcher.take(line);
+  }
+  Json last() {
+    watcher.tell();
+    return Json::parse(said.back());
+  }
+  double estimate() { return last()["parameters"]["strut.k3"]["estimate"]; }
+  double std() { return last()["parameters"]["strut.k3"]["std"]; }
+};
+
+TEST(Watcher, AgreesWithARunOverTheSameRecord) {
+  Watched live_one;
+  live_one.take(lines_of(published(), 10));
+  EXPECT_TRUE(live_one.complaints.empty());
+  const auto whole = estimate(
+      quarter_car::structure(2e6).base_displacement("road", "wheel.ground", Samples{road(), quarter_car::rate}),
+      drive(),
+      {.sensors = quarter_car::sensors, .unknowns = {{"strut.k3", {.std = 2e6}}}, .substeps = 4, .diagnose = false});
+  const auto& expected = whole.parameter("strut.k3");
+  // The spline of the road ends `input_delay` samples behind: 0.27^8 of its curvature, and eight samples fewer.
+  EXPECT_NEAR(live_one.estimate(), expected.mean, 0.05 * expected.std);
+  EXPECT_NEAR(live_one.std(), expected.std, 0.01 * expected.std);
+  EXPECT_LT(std::abs(live_one.estimate() - 3e6), 3.0 * expected.std);
+}
+
+TEST(Watcher, SaysTheSameWhateverTheBlocks) {
+  Watched one, another;
+  one.take(lines_of(published(), 1));
+  another.take(lines_of(published(), 37));
+  ASSERT_GE(one.said.size(), 39U);  // one each half a second, eight samples behind
+  ASSERT_EQ(one.said.size(), another.said.size());
+  for (std::size_t i = 0; i < one.said.size(); ++i) {
+    Json a = Json::parse(one.said[i]), b = Json::parse(another.said[i]);
+    a.erase("samples"), b.erase("samples");  // those that wait for later inputs
+    EXPECT_EQ(a, b);
+  }
+  const auto first = Json::parse(one.said[2]);
+  EXPECT_EQ(first["t"], 1.0);
+  EXPECT_EQ(first["condition"], "warming up");
+  EXPECT_TRUE(first["outputs"]["body.b.displacement"]["std"].is_number());
+}
+
+TEST(Watcher, GoesOnWithTheSameBitsAfterARestart) {
+  const ScratchFolder folder("watch_restart");
+  auto lines = lines_of(published(), 10);
+  lines.insert(lines.begin() + 100, "nonsense");
+  Watched whole;
+  whole.take(lines);
+  std::mt19937 random(2);
+  std::vector<std::string> said;
+  auto parted = std::make_unique<Watched>();
+  for (const auto& line : lines) {
+    if (random() % 100 == 0) {
+      write_state_file(folder / "state", parted->watcher.fingerprint(), parted->watcher);
+      said.insert(said.end(), parted->said.begin(), parted->said.end());
+      parted = std::make_unique<Watched>();
+      read_state_file(folder / "state", parted->watcher.fingerprint(), parted->watcher);
+    }
+    parted->watcher.take(line);
+  }
+  said.insert(said.end(), parted->said.begin(), parted->said.end());
+  EXPECT_EQ(said, whole.said);
+}
+
+TEST(Watcher, TellsBadLinesAndGoesOn) {
+  Watched watched;
+  auto lines = lines_of(published(), 10);
+  lines.insert(lines.begin() + 10, {"nonsense", R"({"t": 0.2, "whel": [1]})", R"({"t": 0.2013, "wheel": [1]})",
+                                    R"({"t": 0.2, "dt": 0.01, "wheel": [1, 2]})", R"({"t": 0.2, "whel": [1]})"});
+  watched.take(lines);
+  ASSERT_EQ(watched.complaints.size(), 4U);
+  EXPECT_THAT(watched.complaints[0], HasSubstr("line 11: the line 'nonsense' is neither JSON nor CSV"));
+  EXPECT_THAT(watched.complaints[1], HasSubstr("no channel 'whel' (did you mean 'wheel'?)"));
+  EXPECT_THAT(watched.complaints[2], HasSubstr("lies between two samples"));
+  EXPECT_THAT(watched.complaints[3], HasSubstr("a sampling rate of 500 Hz"));
+  Watched clean;
+  clean.take(lines_of(published(), 10));
+  EXPECT_EQ(watched.last()["bad_lines"], 3);
+  EXPECT_EQ(watched.estimate(), clean.estimate());
+}
+
+TEST(Watcher, UndoesUnitGainOffsetAndDelay) {
+  Watched plain, calibrated(live("unit: m/s^2", R"(
+  wheel: {acceleration: wheel.w, noise: 0.05 m/s^2, channel: A1, unit: mm/s^2, gain: -2, offset: 0.3 m/s^2, delay: 0.04 s}
+  body: {acceleration: body.b, noise: 0.02 m/s^2})"));
+  Playback published_otherwise = published();
+  auto& wheel = published_otherwise.channels[0];
+  wheel = {"A1", (-2.0 * wheel.values.array() + 0.3) * 1000.0, 0.04};
+  plain.take(lines_of(published(), 10));
+  calibrated.take(lines_of(published_otherwise, 10));
+  EXPECT_TRUE(calibrated.complaints.empty());
+  EXPECT_NEAR(calibrated.estimate(), plain.estimate(), 1e-6 * plain.std());
+}
+
+TEST(Watcher, NamesASensorThatDies) {
+  Playback playback = published();
+  apply_faults({scheduled_fault("dead:body:8:14")}, playback);
+  Watched watched;
+  watched.take(lines_of(playback, 10));
+  std::vector<std::string> kinds;
+  for (const auto& line : watched.said) {
+    const Json told = Json::parse(line);
+    for (const auto& event : told["events"])
+      if (event["kind"] != "spike") kinds.push_back(event["kind"]);
+  }
+  EXPECT_THAT(kinds, testing::AllOf(testing::Contains("stuck"), testing::Contains("back")));
+  EXPECT_LT(std::abs(watched.estimate() - 3e6), 3.0 * watched.std());
+  Watched trusting(live("gated: false"));
+  trusting.take(lines_of(playback, 10));
+  EXPECT_GT(std::abs(trusting.estimate() - 3e6), 10.0 * trusting.std());
+}
+
+std::string refusal_of(const std::string& text) try {
+  plan_of(text);
+  return "";
+} catch (const InvalidInput& error) {
+  return error.what();
+}
+
+TEST(LivePlan, RefusesWhatOnlyAWholeRecordAllows) {
+  EXPECT_THAT(refusal_of(live("", "\n  body: {acceleration: body.b, noise: 5 %}")),
+              HasSubstr("sensors.body.noise is per cent of the channel's rms"));
+  EXPECT_THAT(refusal_of(live("", "\n  body: {acceleration: body.b, noise: 0.02, delay: 1.3 ms}")),
+              HasSubstr("sensors.body.delay is 0.0013 s"));
+  std::string passes = live();
+  passes.replace(passes.find("estimate:\n"), 10, "estimate:\n  passes: 2\n  smooth: true\n");
+  EXPECT_THAT(refusal_of(passes), testing::AllOf(HasSubstr("estimate.passes needs a whole record"),
+                                                 HasSubstr("estimate.smooth needs a whole record")));
+  EXPECT_THAT(refusal_of(live() + "simulate: {duration: 1 s, sample_rate: 500 Hz}\n"),
+              HasSubstr("both `live` and `simulate`"));
+  EXPECT_THAT(refusal_of(structure + "live: {sample_rate: 500 Hz}\n"), HasSubstr("`live` but no `estimate`"));
+}
+
+}  // namespace
+}  // namespace kalfem::live_case
