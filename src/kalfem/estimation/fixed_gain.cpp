@@ -20,13 +20,16 @@ namespace {
 template <class Map>
 class PointMap {
 public:
-  explicit PointMap(Map& map) : map_(map) {}
+  explicit PointMap(Map& map) : map_(map), largest_(VectorXd::Zero(map.selection().rows())) {}
+
+  [[nodiscard]] const VectorXd& largest() const { return largest_; }
 
   /// Nothing changes where phi cannot be evaluated.
   bool apply(const VectorXd& x, VectorXd& y) {
     map_.set_mean(x);
     arguments_.noalias() = map_.selection() * x;
     arguments_ += map_.input_offset();
+    largest_ = largest_.cwiseMax(arguments_.cwiseAbs());
     in_ = arguments_.transpose().array();
     out_.resize(1, map_.gain().cols());
     if (!map_.evaluate(in_, out_)) return false;
@@ -39,7 +42,7 @@ public:
 
 private:
   Map& map_;
-  VectorXd arguments_, response_;
+  VectorXd arguments_, response_, largest_;
   Eigen::ArrayXXd in_, out_;
 };
 
@@ -58,8 +61,8 @@ std::optional<FixedGainMeans> run_with_gains(const AugmentedModel& augmented_mod
   PointMap<MeasurementModel> measure(measurement), look(monitored_map);
   FixedGainMeans means{Eigen::MatrixXd(monitored.size(), samples),
                        Eigen::MatrixXd(input.measured.values.rows(), samples),
-                       Eigen::MatrixXd(layout.unknowns, samples),
-                       {}};
+                       Eigen::MatrixXd(layout.unknowns, samples)};
+  means.predicted.resize(input.measured.values.rows(), samples);
   VectorXd state = augmented_model.prior().mean, predicted = state, output, innovation, values;
   for (Index k = 0; k < samples; ++k) {
     if (k > 0) {
@@ -69,6 +72,7 @@ std::optional<FixedGainMeans> run_with_gains(const AugmentedModel& augmented_mod
     }
     measurement.set_inputs(input.inputs.col(k * stride));
     if (!measure.apply(state, output)) return std::nullopt;
+    means.predicted.col(k) = output;
     input.sample(k, innovation);
     innovation -= output;
     innovation = innovation.array().isNaN().select(0.0, innovation);
@@ -81,6 +85,7 @@ std::optional<FixedGainMeans> run_with_gains(const AugmentedModel& augmented_mod
     if (!look.apply(state, values)) return std::nullopt;
     means.monitored.col(k) = values;
   }
+  means.largest = predict.largest();
   return means;
 }
 

@@ -40,6 +40,16 @@ void set_unknowns(const AugmentedModel& augmented_model, const ArrayXXd& in, Ind
   }
 }
 
+/// Parameters that vary, from the points' last columns.
+void set_varied(const std::vector<ParameterTarget>& varied, const ArrayXXd& in, Index instants, Index connectors,
+                ConnectorForces& forces) {
+  const Index first = in.cols() - std::ssize(varied);
+  for (std::size_t i = 0; i < varied.size(); ++i)
+    for (Index instant = 0; instant < instants; ++instant)
+      forces.parameter(instant * connectors + varied[i].connector, varied[i].parameter) =
+          in.col(first + static_cast<Index>(i));
+}
+
 void fit_points(ConnectorForces& forces, Index points) {
   if (forces.points() != points) forces.resize(points);
 }
@@ -237,6 +247,8 @@ bool ProcessModel::solve_interval(const ArrayXXd& in, ArrayXXd& out) {
   fit_points(forces_, in.rows());
   set_unknowns(*augmented_model_, in, 1, first_forces_);
   set_unknowns(*augmented_model_, in, nodes_, forces_);
+  set_varied(varied_, in, 1, m, first_forces_);
+  set_varied(varied_, in, nodes_, m, forces_);
   const auto fails = [&](ConnectorForces& forces) {
     failed_connector_ = worst_connector(forces) % m;
     return false;
@@ -264,6 +276,24 @@ bool ProcessModel::solve_part(Index part, const ArrayXXd& in, const ArrayXXd& ou
   add_combinations(force_motion_.block(part * rows, 0, rows, earlier), out, forces_.free_motion());
   const auto outcome = forces_.solve(step.compliance, step.step / static_cast<double>(nodes_));
   return outcome.finite && outcome.converged;
+}
+
+OpenMap ProcessModel::open(bool straight) const {
+  const auto& step = augmented_model_->step();
+  const Index x = input_state_.rows(), motions = input_motion_.rows(), forces = force_difference_.cols(),
+              m = forces / (parts_ * nodes_ + 1), of_part = nodes_ * m, rows = nodes_ * motion_;
+  const MatrixXd &of_state = straight ? straight_state_ : input_state_,
+                 &of_motion = straight ? straight_motion_ : input_motion_;
+  OpenMap map{MatrixXd::Zero(x + motions, x + forces + of_state.cols()), x, x, forces};
+  map.all.topRows(x) << linear_.topLeftCorner(x, x), gain_.topLeftCorner(x, forces), of_state;
+  map.all.bottomRows(motions).leftCols(x) = selection_.bottomRows(motions).leftCols(x);
+  map.all.bottomRows(motions).rightCols(of_state.cols()) = of_motion;
+  auto by_force = map.all.bottomRows(motions).middleCols(x, forces);
+  by_force.topLeftCorner(motion_, m) = step.instant_compliance.topRows(motion_);
+  by_force.bottomRows(motions - motion_) = force_motion_;
+  for (Index part = 0; part < parts_; ++part)
+    by_force.block(motion_ + part * rows, m + part * of_part, rows, of_part) += step.compliance.topRows(rows);
+  return map;
 }
 
 VectorXd ProcessModel::embedded_difference(const Ref<const VectorXd>& outputs) const {
@@ -309,6 +339,16 @@ MeasurementModel::MeasurementModel(const AugmentedModel& augmented_model, const 
   offset_ = VectorXd::Zero(linear_.rows());
 }
 
+OpenMap MeasurementModel::open() const {
+  const auto& form = augmented_model_->form();
+  const Index rows = linear_.rows(), x = form.size(), forces = form.motion().force.cols(), inputs = input_.cols();
+  OpenMap map{MatrixXd(rows + motion_, x + forces + inputs), rows, x, forces};
+  map.all.topRows(rows) << linear_.leftCols(x), gain_.leftCols(forces), input_;
+  map.all.bottomRows(motion_) << form.motion().state.topRows(motion_),
+      augmented_model_->step().instant_compliance.topRows(motion_), form.motion().input.topRows(motion_);
+  return map;
+}
+
 void MeasurementModel::set_mean(const VectorXd& mean) {
   if (moving_gain_ == 0) return;
   derivatives_usable_ = tangent_.derivatives(mean, derivatives_);
@@ -326,6 +366,7 @@ bool MeasurementModel::evaluate(const ArrayXXd& in, ArrayXXd& out) {
   if (!derivatives_usable_) return false;
   fit_points(forces_, in.rows());
   set_unknowns(*augmented_model_, in, 1, forces_);
+  set_varied(varied_, in, 1, forces_.force().cols(), forces_);
   if (!solve_instant(*augmented_model_, in, motion_, forces_)) {
     failed_connector_ = worst_connector(forces_);
     return false;

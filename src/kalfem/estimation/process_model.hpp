@@ -80,6 +80,17 @@ private:
   Eigen::VectorXd physical_, below_, above_;
 };
 
+/// A map of an augmented model before the laws close it: what it does to the linear part x of the state, the connector
+/// forces f at all its instants and the inputs u there,
+///     y = A x + G f + B u,     k = N x + L f + E u,     f = law(k),
+/// with k the connectors' motion that phi depends on. L is block triangular: forces move what comes later.
+struct OpenMap {
+  Eigen::MatrixXd all;      ///< [A G B; N L E]
+  Eigen::Index outputs;     ///< rows of A; of the process model the linear part of the state
+  Eigen::Index states = 0;  ///< columns of A
+  Eigen::Index forces = 0;  ///< columns of G
+};
+
 /// Transition of the augmented state over one sample interval, in equal parts over each of which the connector forces
 /// are linear or quadratic (CollocationStep). Its instants are the begin and the nodes of all parts, N + 1; with linear
 /// forces
@@ -98,9 +109,15 @@ public:
   void set_inputs(const Eigen::Ref<const Eigen::VectorXd>& begin, const Eigen::Ref<const Eigen::VectorXd>& end);
   /// The mean about which the unknowns of the linear part act, after the inputs.
   void set_mean(const Eigen::VectorXd& mean);
+  /// Further columns of evaluate()'s points are values of these parameters, which no unknown has.
+  void vary(std::vector<ParameterTarget> parameters) { varied_ = std::move(parameters); }
   bool evaluate(const Eigen::ArrayXXd& in, Eigen::ArrayXXd& out) override;
   /// The connector whose force the last evaluation could not compute; nothing where it could.
   [[nodiscard]] std::optional<Eigen::Index> failed_connector() const { return failed_connector_; }
+  /// Per input at all instants or, where they are linear over the interval (`straight`), at its two ends.
+  [[nodiscard]] OpenMap open(bool straight) const;
+  /// The inputs as they were set, in the order of open().
+  [[nodiscard]] const Eigen::VectorXd& inputs() const { return ends_; }
   /// The state at the end by the embedded step of order 2 less that by the step of order 4, with the present inputs and
   /// the forces of one evaluate(). The other forces that it would meet itself are left out.
   [[nodiscard]] Eigen::VectorXd embedded_difference(const Eigen::Ref<const Eigen::VectorXd>& outputs) const;
@@ -126,6 +143,7 @@ private:
   /// Of embedded_difference(), with the other sign: per force and per input at each instant.
   Eigen::MatrixXd force_difference_, input_difference_, straight_difference_;
   Eigen::VectorXd ends_;
+  std::vector<ParameterTarget> varied_;
   ParameterTangent<ProcessModel> tangent_;
   Eigen::MatrixXd derivatives_;
   bool derivatives_usable_ = true;
@@ -154,7 +172,10 @@ public:
   void set_inputs(const Eigen::Ref<const Eigen::VectorXd>& inputs);
   /// The mean about which the unknowns of the linear part act, after the inputs.
   void set_mean(const Eigen::VectorXd& mean);
+  /// Further columns of evaluate()'s points are values of these parameters, which no unknown has.
+  void vary(std::vector<ParameterTarget> parameters) { varied_ = std::move(parameters); }
   bool evaluate(const Eigen::ArrayXXd& in, Eigen::ArrayXXd& out) override;
+  [[nodiscard]] OpenMap open() const;
   /// The connector whose force the last evaluation could not compute; nothing where it could.
   [[nodiscard]] std::optional<Eigen::Index> failed_connector() const { return failed_connector_; }
 
@@ -162,6 +183,7 @@ private:
   const AugmentedModel* augmented_model_;
   Eigen::Index motion_;
   Eigen::MatrixXd input_;  ///< outputs per input
+  std::vector<ParameterTarget> varied_;
   ConnectorForces forces_;
   ParameterTangent<MeasurementModel> tangent_;
   Eigen::MatrixXd derivatives_;

@@ -267,12 +267,19 @@ FilterRun make_filter_run(const EstimationProblemPtr& problem, const AugmentedMo
 FilterRun make_filter_run_like(const FilterRun& first, const EstimationProblemPtr& problem,
                                const AugmentedModelSetup& setup, const Record& record,
                                std::optional<StateCoordinates> coordinates) {
-  const auto& first_options = first.choice.augmented_model->options();
   FilterRun run{first.choice, {}, first.start};
   run.input.measured = select_channels(record, names_of(setup.sensors));
   const bool driven_by_sensors = std::ranges::any_of(setup.input_sources, is_sensor);
   run.input.inputs = driven_by_sensors ? inputs_of(*problem, setup, record) : first.input.inputs;
   run.input.noise = run.input.measured.noise().cwiseAbs2().asDiagonal();
+  run.choice.augmented_model = augmented_model_like(first, problem, setup, record, coordinates);
+  return run;
+}
+
+std::shared_ptr<const AugmentedModel> augmented_model_like(const FilterRun& first, const EstimationProblemPtr& problem,
+                                                           const AugmentedModelSetup& setup, const Record& record,
+                                                           std::optional<StateCoordinates> coordinates) {
+  const auto& first_options = first.choice.augmented_model->options();
   AugmentedModelOptions options = setup.options;
   options.substeps = first_options.substeps;
   options.step_order = first_options.step_order;
@@ -281,9 +288,7 @@ FilterRun make_filter_run_like(const FilterRun& first, const EstimationProblemPt
   options.system_at = system_of_linear_unknowns(problem, setup);
   set_noise_of_drives(setup, record, options.process_noise);
   const SensorRows sensors(setup);
-  run.choice.augmented_model =
-      std::make_shared<const AugmentedModel>(setup.model->system(), sensors.map, sensors.chains, std::move(options));
-  return run;
+  return std::make_shared<const AugmentedModel>(setup.model->system(), sensors.map, sensors.chains, std::move(options));
 }
 
 std::vector<FilterAttempt> attempts_after(const FilterAttempt& failed, bool kind_is_given) {

@@ -37,6 +37,11 @@ FilterRun make_filter_run_like(const FilterRun& first, const EstimationProblemPt
                                const AugmentedModelSetup& setup, const Record& record,
                                std::optional<StateCoordinates> coordinates = std::nullopt);
 
+/// The model of such a run alone.
+std::shared_ptr<const AugmentedModel> augmented_model_like(const FilterRun& first, const EstimationProblemPtr& problem,
+                                                           const AugmentedModelSetup& setup, const Record& record,
+                                                           std::optional<StateCoordinates> coordinates = std::nullopt);
+
 /// One of several filters that were tried over a record.
 struct FilterAttempt {
   FilterKind filter = FilterKind::unscented;

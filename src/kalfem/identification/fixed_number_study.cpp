@@ -20,11 +20,11 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double most_memory = 1e9;  ///< of gains and derivatives [byte]
-constexpr std::size_t runs_at_once = 8;
-constexpr double level = 0.001;  ///< of the test of all numbers together
+constexpr double level = 0.001;      ///< of the test of all numbers together
 constexpr std::size_t most_confirmed = 3;
-constexpr double most_change = 0.5;   ///< in a number's scale, of a run with it
-constexpr double cost_of_mean = 0.1;  ///< filter steps that a step of the mean alone costs, about
+constexpr double most_change = 0.5;       ///< in a number's scale, of a run with it
+constexpr double cost_of_mean = 0.2;      ///< filter steps that a step of the mean alone costs, about
+constexpr double cost_of_tangent = 0.05;  ///< that the tangent of a number adds to it
 
 /// The problem with the unknowns beginning at the estimates, within 20 of their deviations: sigma points of a wide
 /// prior see another model than the one that the filter ends with.
@@ -119,13 +119,15 @@ public:
                          MatrixXd::Zero(result.innovation.rows(), samples)};
   }
 
-  void take(std::size_t n, const std::optional<FixedGainMeans>& derivative) {
+  void take(std::size_t n, const NumberDerivative& found) {
     auto& study = found_.study;
+    const auto& derivative = found.means;
     const auto i = static_cast<Index>(n);
     if (!derivative || !derivative->innovation.allFinite() || !derivative->unknowns.allFinite()) {
       study.failed.push_back(study.numbers[n].name);
       return;
     }
+    if (found.by_run) study.by_runs.push_back(study.numbers[n].name);
     const VectorXd moved = whiten_(derivative->innovation).reshaped();
     white_.col(i) = moved.cast<float>();
     study.score[i] = -moved.dot(innovation_);
@@ -206,18 +208,22 @@ std::optional<FixedNumberResult> study_fixed_numbers(const EstimationProblemPtr&
   const std::size_t count = runs.numbers().size();
   if (count == 0 || runs.memory() > most_memory) return std::nullopt;
   const double pass = steps_of_run(*about, record, *about->settings.substeps);
-  if (!budget.take(pass * (1.0 + cost_of_mean * static_cast<double>(count + 1)))) return std::nullopt;
+  const double cost_of_number = runs.carries_tangents() ? cost_of_tangent : cost_of_mean;
+  if (!budget.take(pass * (1.0 + cost_of_mean + cost_of_number * static_cast<double>(count)))) return std::nullopt;
 
   const FilterRun& filter = runs.filter();
   EstimationOptions options_of_filter = filter_options(filter, problem->settings, estimate);
   EstimationResult result = kalfem::estimate(*filter.choice.augmented_model, filter.input, options_of_filter);
   if (result.failure || !runs.run_base(std::move(result.gains))) return std::nullopt;
   Collection collection(runs.numbers(), result, estimate);
-  for (std::size_t first = 0; first < count; first += runs_at_once) {
-    std::vector<std::optional<FixedGainMeans>> derivatives(std::min(runs_at_once, count - first));
-    for_each_index(derivatives.size(), filter_threads(problem->settings),
-                   [&](std::size_t n) { derivatives[n] = runs.derivative(first + n); });
-    for (std::size_t n = 0; n < derivatives.size(); ++n) collection.take(first + n, derivatives[n]);
+  const auto groups = runs.groups();
+  const auto at_once = static_cast<std::size_t>(filter_threads(problem->settings));
+  for (std::size_t first = 0; first < groups.size(); first += at_once) {
+    std::vector<std::vector<NumberDerivative>> derivatives(std::min(at_once, groups.size() - first));
+    for_each_index(derivatives.size(), static_cast<int>(at_once),
+                   [&](std::size_t g) { derivatives[g] = runs.derivatives(groups[first + g]); });
+    for (std::size_t g = 0; g < derivatives.size(); ++g)
+      for (std::size_t n = 0; n < derivatives[g].size(); ++n) collection.take(groups[first + g][n], derivatives[g][n]);
   }
   FixedNumberResult found = std::move(collection).finish();
   confirm(runs, options_of_filter, result.log_likelihood, found.study);

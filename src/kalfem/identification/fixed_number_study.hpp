@@ -32,7 +32,8 @@ struct FixedNumberStudy {
   Eigen::VectorXd confirmed;
   /// Standard deviations that the stated ones of the numbers add to the unknowns, each by itself, unknowns x numbers.
   Eigen::MatrixXd considered;
-  std::vector<std::string> failed = {};  ///< numbers beside whose value no run was possible
+  std::vector<std::string> failed = {};   ///< numbers beside whose value no run was possible
+  std::vector<std::string> by_runs = {};  ///< numbers without a tangent, from a run beside their value
 
   [[nodiscard]] Eigen::Index size() const { return score.size(); }
   [[nodiscard]] bool any_stated() const;
@@ -57,8 +58,8 @@ struct FixedNumberResult {
 /// numbers that are known to some deviation add to its own (consider parameters: Schmidt 1966, Advances in Control
 /// Systems 3, 293-340).
 ///
-/// The filter runs once more, about the estimates, and keeps its gains K_k; beside each number a run of the mean alone
-/// with these gains (run_with_gains()) tells how innovations and estimates move,
+/// The filter runs once more, about the estimates, and keeps its gains K_k; a run of the mean alone with these gains
+/// and the tangents of the numbers (run_tangents()) tells how innovations and estimates move,
 ///     D_i,k = d nu_k / d c_i,   d theta / d c_i,
 /// and with the innovations nu_k and their covariances S_k of the filter
 ///     g_i = -sum_k D_i,k^T S_k^-1 nu_k,   I_ij = sum_k D_i,k^T S_k^-1 D_j,k.

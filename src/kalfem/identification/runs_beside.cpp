@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
+
+#include "kalfem/base/parallel.hpp"
 
 namespace kalfem {
 
@@ -12,7 +15,9 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double step = 1e-4;  ///< of a number beside its value, in its scale
+constexpr double step = 1e-4;          ///< of a number beside its value, in its scale
+constexpr double most_at_once = 64.0;  ///< numbers of a group
+constexpr double most_memory = 2e8;    ///< of their derivatives, and of what their models differ in [byte]
 
 /// The central differences of a series over its samples, [1/sample]; at its ends one-sided.
 MatrixXd rate_of(const MatrixXd& series) {
@@ -59,21 +64,99 @@ double RunsBeside::memory() const {
 
 bool RunsBeside::run_base(Gains gains) {
   gains_ = std::move(gains);
-  auto base = run({problem_, base_setup_}, std::ranges::any_of(numbers_, is_stated));
+  const Change none{problem_, base_setup_};
+  base_run_ = run_of(none, StateCoordinates::physical);
+  const bool monitors = std::ranges::any_of(numbers_, is_stated);
+  if (carries_tangents()) {
+    base_open_ = open(none, false);
+    if (monitors) base_open_monitored_ = open(none, true);
+  }
+  auto base = run(base_run_, monitored_by(none, monitors));
   if (base) base_ = std::move(*base);
   return base.has_value();
 }
 
-std::optional<FixedGainMeans> RunsBeside::derivative(std::size_t i) const try {
+/// Runs beside numbers share nothing; tangents share the run of the mean and the Jacobians.
+std::vector<std::vector<std::size_t>> RunsBeside::groups() const {
+  const auto samples = static_cast<double>(record_.samples());
+  std::vector<std::vector<std::size_t>> all;
+  for (const bool stated : {true, false}) {
+    const double rows = static_cast<double>(base_run_.input.measured.values.rows() + base_.unknowns.rows() +
+                                            (stated ? base_.monitored.rows() : 0)),
+                 of_one = sizeof(double) * (rows * samples + 2.0 * static_cast<double>(base_open_.process.all.size()));
+    const auto at_once =
+        carries_tangents() ? static_cast<std::size_t>(std::clamp(most_memory / of_one, 1.0, most_at_once)) : 1;
+    std::vector<std::size_t> group;
+    for (std::size_t i = 0; i < numbers_.size(); ++i) {
+      if (is_stated(numbers_[i]) != stated) continue;
+      if (group.size() == at_once) all.push_back(std::exchange(group, {}));
+      group.push_back(i);
+    }
+    if (!group.empty()) all.push_back(std::move(group));
+  }
+  return all;
+}
+
+std::vector<NumberDerivative> RunsBeside::derivatives(const std::vector<std::size_t>& group) const {
+  std::vector<NumberDerivative> found(group.size());
+  std::vector<std::optional<RunDerivative>> made(group.size());
+  for_each_index(group.size(), std::min(processors(), filter_threads(problem_->settings)),
+                 [&](std::size_t n) { made[n] = tangent_of(group[n]); });
+  std::vector<RunDerivative> tangents;
+  std::vector<std::size_t> carried;
+  for (std::size_t n = 0; n < group.size(); ++n)
+    if (made[n]) {
+      tangents.push_back(std::move(*made[n]));
+      carried.push_back(n);
+    }
+  const bool monitors = !group.empty() && is_stated(numbers_[group.front()]);
+  auto means = run_tangents(*base_run_.choice.augmented_model, base_run_.input, gains_,
+                            monitored_by({problem_, base_setup_}, monitors), 0, base_.largest, tangents);
+  for (std::size_t n = 0; means && n < carried.size(); ++n) found[carried[n]].means = std::move((*means)[n]);
+  for (std::size_t n = 0; n < group.size(); ++n)
+    if (!found[n].means) found[n] = {quotient(group[n], beside(group[n], step), base_, step), true};
+  return found;
+}
+
+/// Nothing where the number changes what the filter's model is made of, or has no model on either side.
+std::optional<RunDerivative> RunsBeside::tangent_of(std::size_t i) const try {
+  if (!carries_tangents()) return std::nullopt;
+  if (!numbers_[i].parameter) {
+    Change one = change_of(i, 1.0);
+    return RunDerivative{.measured = std::move(one.to_measured), .inputs = std::move(one.to_inputs)};
+  }
   const bool monitors = is_stated(numbers_[i]);
-  auto moved = run(change_of(i, step), monitors);
-  if (!moved) return std::nullopt;
-  if (monitors) moved->monitored = (moved->monitored - base_.monitored) / step;
-  moved->innovation = (moved->innovation - base_.innovation) / step;
-  moved->unknowns = (moved->unknowns - base_.unknowns) / step;
-  return moved;
+  return central_difference(monitors ? base_open_monitored_ : base_open_, open(change_of(i, -step), monitors),
+                            open(change_of(i, step), monitors), 2.0 * step);
 } catch (const InvalidInput&) {
-  return std::nullopt;  // beside its value there is no structure
+  return std::nullopt;
+}
+
+OpenModel RunsBeside::open(const Change& change, bool monitors) const {
+  const auto model = augmented_model_like(filter_, change.problem, change.setup, record_, StateCoordinates::physical);
+  return open_model(*model, base_run_.input, monitored_by(change, monitors));
+}
+
+std::optional<FixedGainMeans> RunsBeside::difference(std::size_t i, double by) const {
+  const auto below = beside(i, -by);
+  return below ? quotient(i, beside(i, by), *below, 2.0 * by) : std::nullopt;
+}
+
+std::optional<FixedGainMeans> RunsBeside::quotient(std::size_t i, std::optional<FixedGainMeans> above,
+                                                   const FixedGainMeans& below, double distance) const {
+  if (!above) return std::nullopt;
+  above->innovation = (above->innovation - below.innovation) / distance;
+  above->unknowns = (above->unknowns - below.unknowns) / distance;
+  if (is_stated(numbers_[i])) above->monitored = (above->monitored - below.monitored) / distance;
+  return above;
+}
+
+/// Nothing where the changed number makes no structure.
+std::optional<FixedGainMeans> RunsBeside::beside(std::size_t i, double change) const try {
+  const Change changed = change_of(i, change);
+  return run(run_of(changed, StateCoordinates::physical), monitored_by(changed, is_stated(numbers_[i])));
+} catch (const InvalidInput&) {
+  return std::nullopt;
 }
 
 double RunsBeside::log_likelihood(std::size_t i, double change, const EstimationOptions& options) const try {
@@ -149,7 +232,7 @@ RunsBeside::Change RunsBeside::change_of_signal(const FixedNumber& number, doubl
 MatrixXd RunsBeside::added_to_sensor(Index row, bool delay) const {
   const auto& measured = filter_.input.measured;
   MatrixXd added = MatrixXd::Zero(measured.values.rows(), measured.samples());
-  const MatrixXd predicted = measured.values.row(row).leftCols(added.cols()) - base_.innovation.row(row);
+  const MatrixXd predicted = base_.predicted.row(row);
   added.row(row) = delay ? MatrixXd(problem_->sample_rate * rate_of(predicted)) : MatrixXd(-predicted);
   return added;
 }
@@ -179,13 +262,15 @@ FilterRun RunsBeside::run_of(const Change& change, std::optional<StateCoordinate
   return beside;
 }
 
-/// The mean with the gains; monitored quantities cost as much as the run, and are left out where they are not wanted.
-std::optional<FixedGainMeans> RunsBeside::run(const Change& change, bool monitors) const {
-  const FilterRun beside = run_of(change, StateCoordinates::physical);
+/// They cost as much as the run, and are left out where they are not wanted.
+OutputMap RunsBeside::monitored_by(const Change& change, bool monitors) const {
   OutputMap monitored = make_outputs(*change.setup.model, monitors ? monitored_ : std::vector<OutputDescription>{});
-  if (monitors)
-    monitored = with_inputs(std::move(monitored), held_by(problem_->settings.unknown_inputs, change.setup),
-                            *change.setup.model);
+  if (!monitors) return monitored;
+  return with_inputs(std::move(monitored), held_by(problem_->settings.unknown_inputs, change.setup),
+                     *change.setup.model);
+}
+
+std::optional<FixedGainMeans> RunsBeside::run(const FilterRun& beside, const OutputMap& monitored) const {
   return run_with_gains(*beside.choice.augmented_model, beside.input, gains_, monitored, 0);
 }
 

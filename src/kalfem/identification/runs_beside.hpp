@@ -5,11 +5,17 @@
 #include <string>
 #include <vector>
 
-#include "kalfem/estimation/fixed_gain.hpp"
+#include "kalfem/estimation/fixed_gain_tangents.hpp"
 #include "kalfem/identification/fixed_numbers.hpp"
 #include "kalfem/identification/record_estimate.hpp"
 
 namespace kalfem {
+
+/// d(.)/d c_i of everything that a run of the mean gives.
+struct NumberDerivative {
+  std::optional<FixedGainMeans> means;  ///< nothing where there is no model beside the number
+  bool by_run = false;                  ///< from a run beside the number, which has no tangent
+};
 
 /// Runs of one filter over its record, with a number changed that the problem holds fixed: of the mean with the gains
 /// of the filter as it is, and of the filter itself.
@@ -22,14 +28,21 @@ public:
   [[nodiscard]] const FilterRun& filter() const { return filter_; }
   [[nodiscard]] const std::vector<FixedNumber>& numbers() const { return numbers_; }
   [[nodiscard]] const std::vector<std::string>& left_out() const { return left_out_; }
+  /// Whether the filter's model has tangents; otherwise each number takes a run.
+  [[nodiscard]] bool carries_tangents() const { return has_tangents(*filter_.choice.augmented_model); }
   /// Of the gains, and of the derivatives of the innovations by every number [byte].
   [[nodiscard]] double memory() const;
 
   /// The run with the numbers as they are. False where it fails.
   bool run_base(Gains gains);
-  /// d(.)/d c_i of everything that a run of the mean gives, by a run beside number i; monitored quantities of stated
-  /// numbers only. Nothing where there is no model beside it.
-  [[nodiscard]] std::optional<FixedGainMeans> derivative(std::size_t i) const;
+  /// The numbers in groups, whose derivatives are independent of each other.
+  [[nodiscard]] std::vector<std::vector<std::size_t>> groups() const;
+  /// By one run with the tangents of all numbers of a group; by a run beside each number that has none, or all where
+  /// the filter's linear part has unknowns. Monitored quantities of stated numbers only, which are in groups of their
+  /// own.
+  [[nodiscard]] std::vector<NumberDerivative> derivatives(const std::vector<std::size_t>& group) const;
+  /// The same by two runs beside number i, `by` in its scale away on either side.
+  [[nodiscard]] std::optional<FixedGainMeans> difference(std::size_t i, double by) const;
   /// ln L of the filter with number i changed [its scale]; minus infinity where it stops.
   [[nodiscard]] double log_likelihood(std::size_t i, double change, const EstimationOptions& options) const;
 
@@ -48,8 +61,14 @@ private:
   [[nodiscard]] Change change_of_signal(const FixedNumber& number, double change) const;
   [[nodiscard]] Eigen::MatrixXd added_to_sensor(Eigen::Index row, bool delay) const;
   [[nodiscard]] Eigen::MatrixXd added_to_input(Eigen::Index input, bool delay) const;
+  [[nodiscard]] std::optional<RunDerivative> tangent_of(std::size_t i) const;
+  [[nodiscard]] OpenModel open(const Change& change, bool monitors) const;
+  [[nodiscard]] std::optional<FixedGainMeans> quotient(std::size_t i, std::optional<FixedGainMeans> above,
+                                                       const FixedGainMeans& below, double distance) const;
+  [[nodiscard]] std::optional<FixedGainMeans> beside(std::size_t i, double change) const;
+  [[nodiscard]] OutputMap monitored_by(const Change& change, bool monitors) const;
   [[nodiscard]] FilterRun run_of(const Change& change, std::optional<StateCoordinates> coordinates = {}) const;
-  [[nodiscard]] std::optional<FixedGainMeans> run(const Change& change, bool monitors) const;
+  [[nodiscard]] std::optional<FixedGainMeans> run(const FilterRun& beside, const OutputMap& monitored) const;
 
   EstimationProblemPtr problem_;
   const Record& record_;
@@ -64,6 +83,8 @@ private:
   StructureAtParameters reduced_;
   AugmentedModelSetup base_setup_;
   FilterRun filter_;
+  FilterRun base_run_;  ///< in physical coordinates
+  OpenModel base_open_, base_open_monitored_;
   Gains gains_;
   FixedGainMeans base_;
 };

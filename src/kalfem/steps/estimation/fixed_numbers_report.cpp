@@ -79,7 +79,7 @@ Json sensitivity_summary(const RecordEstimate& estimate) {
                        {"log_likelihood_gain", number(study.gain[i])},
                        {"shift", shift}});
   }
-  return {{"numbers", numbers}, {"not_varied", study.failed}};
+  return {{"numbers", numbers}, {"by_runs", study.by_runs}, {"not_varied", study.failed}};
 }
 
 Table sensitivity_table(const RecordEstimate& estimate, std::size_t most) {
