@@ -160,7 +160,6 @@ void OnlineLoop::renew_verdict() {
   if (!gated_ || gate_.warms_up() || !window_.judges() || verdict_.state() != VerdictState::consistent) return;
   last_consistent_.remember(*setup_->augmented_model, estimate());
   was_consistent_ = true;
-  widened_ = false;
 }
 
 /// Whether the window, which was consistent before, has been unusable for so long that the structure must have changed.
@@ -174,17 +173,17 @@ bool OnlineLoop::has_become_wrong() {
 }
 
 /// It has been too sure of itself. Where wider deviations would explain what most sensors show, it is given them;
-/// otherwise, and where they have not helped, it begins anew.
+/// otherwise, and where it has not become consistent since it was last changed, it begins anew.
 void OnlineLoop::doubt_itself(const std::string& why) {
   const bool explained = gate_.contradiction() <= gates_.inflation * gates_.inflation;
-  if (widened_ || !explained) {
+  const bool helped = was_consistent_ || changed_ < 0;
+  if (!explained || !helped) {
     begin_anew(why);
     return;
   }
   Gaussian now = estimate();
   now.covariance = widened(now.covariance, gates_.inflation, model_->layout().unknown(), model_->prior().covariance);
   setup_->filter->reset(now);
-  widened_ = true;
   was_changed(FilterEventKind::inflated,
               why + "; its deviations are made up to " + three_digits(gates_.inflation) + " times as large");
 }
@@ -200,7 +199,6 @@ void OnlineLoop::was_changed(FilterEventKind how, const std::string& text) {
 bool OnlineLoop::begin_anew(const std::string& why) {
   if (!gated_ || (changed_ >= 0 && sample_ - changed_ < gates_.warm_up)) return false;
   setup_->filter->reset(last_consistent_.again(*setup_->augmented_model, gates_.inflation));
-  widened_ = false;
   was_changed(FilterEventKind::restarted, why + "; it begins anew from its last consistent estimate");
   return true;
 }
@@ -309,7 +307,6 @@ void OnlineLoop::transfer(auto& self, auto& archive) {
   SensorGate::transfer(self.gate_, archive);
   LastConsistent::transfer(self.last_consistent_, archive);
   archive(self.changed_);
-  archive(self.widened_);
   archive(self.was_consistent_);
   archive(self.unusable_);
 }

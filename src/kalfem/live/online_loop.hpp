@@ -117,7 +117,6 @@ private:
   Innovation expected_;
   LastConsistent last_consistent_;
   long changed_ = -1;            ///< sample at which the filter was last widened or begun anew
-  bool widened_ = false;         ///< since it last was consistent
   bool was_consistent_ = false;  ///< since it last was changed
   int unusable_ = 0;             ///< samples for which the window has been
   long seen_changes_ = 0;        ///< of the gate
