@@ -43,7 +43,7 @@ std::set<std::string> codes_in_table() {
 std::set<std::string> codes_in_sources() {
   const std::filesystem::path source = test::source_folder() + "/src/kalfem";
   std::vector<std::filesystem::path> files{source / "api/update.cpp", source / "steps/run_verdict.cpp"};
-  for (const char* folder : {"verdict", "diagnosis"})
+  for (const char* folder : {"verdict", "diagnosis", "live"})
     for (const auto& entry : std::filesystem::directory_iterator(source / folder)) files.push_back(entry.path());
   const std::regex formed(R"re((?:reasons_?\.push_back\(\s*\{|return \{\{?|\.code = |\.add\(\s*\{)\s*"([a-z_]+)")re");
   std::set<std::string> codes;

@@ -42,6 +42,10 @@ std::span<const ReasonKind> reason_kinds() {
        "a sensor stands at its limit while its prediction moves beyond; these samples are not used",
        Gravity::either,
        false},
+      {{"sensor_off"},
+       "a live filter leaves a sensor out whose values its model does not expect ([live](live.md))",
+       Gravity::suspicious,
+       false},
       {{"parameter_jump", "parameter_drift"},
        "an unknown that the model holds constant changes within the record, at once or slowly, with "
        "times and size (see Events); it stands before what it explains. For a drift the remedy gives a "
