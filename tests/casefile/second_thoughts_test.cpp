@@ -17,7 +17,8 @@ namespace {
 
 /// Four substeps of second order bias its estimate by several deviations; sixteen do not.
 std::string oscillator_with(const std::string& settings) {
-  return cubic_oscillator + "estimate:\n  unknown: {c.k3: {initial: 1e7, std: 50 %}}\n  settle: 0.2 s\n  step_order: 2\n" + settings;
+  return cubic_oscillator +
+         "estimate:\n  unknown: {c.k3: {initial: 1e7, std: 50 %}}\n  settle: 0.2 s\n  step_order: 2\n" + settings;
 }
 
 StudyResults run_with(const std::string& settings, std::vector<StudyResults>* first = nullptr) {

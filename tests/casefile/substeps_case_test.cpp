@@ -51,7 +51,8 @@ TEST(SubstepsOfACase, AreTakenAsStated) {
   EXPECT_EQ(summary["substeps"], 2);
   EXPECT_EQ(summary["substeps_chosen"], false);
   EXPECT_FALSE(summary.contains("substep_bias"));
-  EXPECT_NE(console_report(study, results).find("2 substeps per sample, each of fourth order, as stated"), std::string::npos);
+  EXPECT_NE(console_report(study, results).find("2 substeps per sample, each of fourth order, as stated"),
+            std::string::npos);
   for (const std::string& wrong : {"0", "129", "many"})
     EXPECT_NE(problems_of(changed(oscillator, "settle: 0.2 s", "settle: 0.2 s\n  substeps: " + wrong))
                   .find("estimate.substeps"),

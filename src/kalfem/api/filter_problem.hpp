@@ -6,7 +6,8 @@
 
 namespace kalfem {
 
-/// The caller's options as a problem of identification/, with the filter's model. Looks up every name. `sample_rate`: of the record [Hz]. Throws InvalidInput with every argument that is wrong.
+/// The caller's options as a problem of identification/, with the filter's model. Looks up every name. `sample_rate`:
+/// of the record [Hz]. Throws InvalidInput with every argument that is wrong.
 FilterProblem make_filter_problem(const Structure& structure, double sample_rate, const EstimateOptions& options);
 
 /// Adds an issue for each unknown that is a number of the measurement: they are found by estimate() alone.

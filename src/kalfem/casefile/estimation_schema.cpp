@@ -167,9 +167,10 @@ Schema<Estimation> estimation() {
               "substeps", &Estimation::substeps, substeps(),
               "number of parts of a sample interval within which connector forces and inputs are polynomials; auto: "
               "from 2 on, doubled until their bias is below 0.2 standard deviations of every unknown")
-          .optional("step_order", &Estimation::step_order, located(integer(2, 4)),
-                    "order of the step over each of these parts, 4 or 2; with 4, the default, connector forces and inputs "
-                    "vary quadratically, with 2 linearly at half the cost; substeps: auto then starts at 4 parts")
+          .optional(
+              "step_order", &Estimation::step_order, located(integer(2, 4)),
+              "order of the step over each of these parts, 4 or 2; with 4, the default, connector forces and inputs "
+              "vary quadratically, with 2 linearly at half the cost; substeps: auto then starts at 4 parts")
           .optional("passes", &Estimation::passes, integer(1, 100),
                     "number of runs over the record, each from the parameters of the last, and from its initial "
                     "state with estimate_initial_state")

@@ -239,8 +239,8 @@ private:
     return best;
   }
 
-  /// The likeliest change, if it leaves no more than half of the contradiction: the first of the trials, otherwise one of
-  /// any unknown near where innovations become too large.
+  /// The likeliest change, if it leaves no more than half of the contradiction: the first of the trials, otherwise one
+  /// of any unknown near where innovations become too large.
   std::optional<ChangeTrial> explaining(ChangeTrial first, const EstimationResult& constant) {
     const auto leaves_most = [&](const ChangeTrial& trial) {
       return excess_left(contradiction(trial.result), contradiction(constant)) > most_left;

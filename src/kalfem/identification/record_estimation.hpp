@@ -12,7 +12,8 @@ struct ConsideredDeviations;
 
 /// One estimation from a record, part by part; estimate() holds what is known so far:
 ///
-/// 1. answer(): the likelihood unknowns, and the filter over the record without the samples of faulty sensors. Where the
+/// 1. answer(): the likelihood unknowns, and the filter over the record without the samples of faulty sensors. Where
+/// the
 ///    run does not tell itself that its substeps leave little in the estimates, one with half of them does. Where the
 ///    first samples alone say that the structure moves and the run contradicts itself, it is run from rest, too.
 /// 2. repeat_from_estimates(): a run that contradicts itself again from its own estimates, as a filter that

@@ -6,13 +6,13 @@
 #include <type_traits>
 
 #include "kalfem/base/atomic_file.hpp"
+#include "kalfem/base/binary_archive.hpp"
 #include "kalfem/base/hash.hpp"
 #include "kalfem/base/regular_file.hpp"
 #include "kalfem/base/version.hpp"
 #include "kalfem/steps/field_series.hpp"
 #include "kalfem/steps/reported_quantities.hpp"
 #include "kalfem/steps/run_study.hpp"
-#include "kalfem/base/binary_archive.hpp"
 
 // The file: the fingerprint, every member of the simulation in the order of transfer(), and a hash of all that. One
 // function describes the members for both directions, so that what is written is what is read.
