@@ -9,7 +9,8 @@ using testing::HasSubstr;
 const EstimateOptions options{.sensors = chain_sensors(),
                               .unknowns = {{"suspension.mu_k1", {.initial = 10.0, .std = 5.0}}},
                               .outputs = {{"force", connector_force("suspension")}},
-                              .substeps = 4};
+                              .substeps = 4,
+                              .diagnose = false};
 
 TEST(OnlineFilter, GivesWhatAWholeRunOverTheRecordGives) {
   Record record = chain_record();

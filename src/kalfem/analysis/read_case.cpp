@@ -12,7 +12,6 @@
 namespace kalfem {
 namespace {
 
-namespace d = description;
 
 Structure structure_of(const Study& study) {
   StructureDescription described;
