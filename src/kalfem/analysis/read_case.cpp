@@ -12,7 +12,6 @@
 namespace kalfem {
 namespace {
 
-
 Structure structure_of(const Study& study) {
   StructureDescription described;
   described.parts = study.structure->parts;
