@@ -108,7 +108,8 @@ TEST_F(Place, NeedsAnEstimateAndItsSection) {
   EXPECT_NE(without_section.errors.find("the case has no `place`"), std::string::npos) << without_section.errors;
   const auto without_record = run(frame.substr(0, frame.find("simulate")) + estimate + place);
   EXPECT_EQ(without_record.code, 2);
-  EXPECT_NE(without_record.errors.find("add `simulate`, `record` or `live`"), std::string::npos) << without_record.errors;
+  EXPECT_NE(without_record.errors.find("add `simulate`, `record` or `live`"), std::string::npos)
+      << without_record.errors;
 }
 
 TEST_F(Place, NeedsAnExpectedExcitation) {
