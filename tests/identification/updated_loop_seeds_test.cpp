@@ -66,10 +66,10 @@ Seed seed_of(const EstimationProblemPtr& problem, const Eigen::MatrixXd& acceler
 /// Whether so many of `count` events of probability 0.95 lie in the 99 % range of the binomial distribution.
 bool in_binomial_range(int hits, int count) {
   const auto tail = [&](auto within) {
-    double sum = 0.0, term = std::pow(0.05, count);  // of k hits
-    for (int k = 0; k <= count; ++k) {
+    double sum = 0.0, term = std::pow(0.95, count);  // of k hits, from all down: none is too rare to be a number
+    for (int k = count; k >= 0; --k) {
       if (within(k)) sum += term;
-      term *= 19.0 * (count - k) / (k + 1.0);
+      term *= k / (19.0 * (count - k + 1.0));
     }
     return sum;
   };
