@@ -287,7 +287,7 @@ private:
 }  // namespace
 
 JumpSearchResult find_parameter_jump(const AugmentedModel& augmented_model, const FilterInput& input,
-                                     EstimationOptions options, const EstimationResult& result, Index first,
+                                     const EstimationOptions& options, const EstimationResult& result, Index first,
                                      double steps, StepBudget& budget) {
   if (result.failure || result.unknowns_history.empty()) return {};
   return ChangeSearch(augmented_model, input, options, result, first, steps, budget).run();

@@ -50,7 +50,7 @@ struct JumpSearchResult {
 /// unknowns' history; its model may have more substeps. `first`: the first sample that counts. `steps`: filter steps of
 /// one run.
 JumpSearchResult find_parameter_jump(const AugmentedModel& augmented_model, const FilterInput& input,
-                                     EstimationOptions options, const EstimationResult& result, Eigen::Index first,
-                                     double steps, StepBudget& budget);
+                                     const EstimationOptions& options, const EstimationResult& result,
+                                     Eigen::Index first, double steps, StepBudget& budget);
 
 }  // namespace kalfem
