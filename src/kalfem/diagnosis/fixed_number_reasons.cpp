@@ -34,7 +34,7 @@ bool is_confirmed(const FixedNumberStudy& study, Index i) {
   return study.any_stated() || study.confirmed[i] > 0.5 * study.gain[i];
 }
 
-/// Connector forces that are linear over a substep act like a delay of a part of it.
+/// Connector forces that are polynomials over a substep act like a delay of a part of it.
 bool is_beyond_the_step(const RecordEstimate& estimate, Index i) {
   const double substep = 1.0 / (estimate.measurements.sample_rate * estimate.substeps.substeps);
   return !estimate.fixed_numbers->numbers[static_cast<std::size_t>(i)].is_delay() ||
