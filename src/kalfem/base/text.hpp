@@ -20,8 +20,8 @@ std::string to_utf8(std::string_view text);
 /// UTF-8 of a text in UTF-16; half of a pair of surrogates becomes U+FFFD.
 std::string utf8_of(std::u16string_view text);
 
-/// Text inside of a quoted string of JSON or YAML: characters that a terminal obeys become \u001b, so that the file can
-/// be shown there, and bytes that are no UTF-8 become U+FFFD. Line breaks stay.
+/// Text inside of a quoted string of JSON or YAML: characters that a terminal obeys become `\u001b`, so that the file
+/// can be shown there, and bytes that are no UTF-8 become U+FFFD. Line breaks stay.
 std::string with_unicode_escapes(std::string_view text);
 
 /// The text without control characters other than tabs and line breaks, and in valid UTF-8, as HTML and XML need it.
@@ -30,8 +30,8 @@ std::string without_controls(std::string_view text);
 enum class LineBreaks { kept, escaped };
 
 /// Text that is safe to print. A terminal obeys control characters, so that a title or a name could erase what stands
-/// before it or change the window. They are shown as \x1b, as are bytes that are no UTF-8; characters that turn the
-/// direction of writing are shown as \u202e. Tabs are kept, line breaks where `breaks` says so.
+/// before it or change the window. They are shown as `\x1b`, as are bytes that are no UTF-8; characters that turn the
+/// direction of writing are shown as `\u202e`. Tabs are kept, line breaks where `breaks` says so.
 std::string terminal_safe(std::string_view text, LineBreaks breaks = LineBreaks::kept);
 
 /// ASCII letters in capitals; everything else as it is, whatever the locale.

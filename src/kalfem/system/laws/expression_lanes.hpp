@@ -27,7 +27,7 @@ struct Block {
   Points value;
 };
 
-/// Calls work.operator()<Points>(first) for consecutive blocks of 8 points and a rest of 4, 2 and 1, where Points is
+/// Calls `work.operator()<Points>(first)` for consecutive blocks of 8 points and a rest of 4, 2 and 1, where Points is
 /// one of the types above or double.
 template <class Work>
 [[gnu::always_inline]] inline void in_blocks(std::ptrdiff_t count, const Work& work) {
