@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/records/input_error.hpp"
 
 namespace kalfem {
 
@@ -126,15 +127,17 @@ std::vector<double> averaged(const std::vector<Index>& at, const std::vector<dou
   return averages;
 }
 
-/// Noise at every line, averaged over a window and linear between the lines that were fitted.
-VectorXd interpolated_noise(const std::vector<Index>& centres, const Fits& fits, Index first, Index count,
-                            Index reach) {
+/// Noise at every line: averaged over a window, with what the input's error adds, linear between the fitted lines.
+VectorXd interpolated_noise(const std::vector<Index>& centres, const Fits& fits, const VectorXd& input_error,
+                            Index first, Index count, Index reach) {
   std::vector<Index> at;
   std::vector<double> noise;
   for (std::size_t i = 0; i < fits.size(); ++i)
     if (fits[i]) at.push_back(centres[i] - first), noise.push_back(fits[i]->noise);
   if (at.empty()) return VectorXd::Zero(count);
   noise = averaged(at, noise, reach);
+  for (std::size_t i = 0, kept = 0; i < fits.size(); ++i)
+    if (fits[i]) noise[kept++] += input_error[centres[i]] * std::norm(fits[i]->response);
   VectorXd all(count);
   std::size_t next = 0;
   for (Index k = 0; k < count; ++k) {
@@ -179,13 +182,14 @@ LocalRationalFit fit_local_rational(const RecordSpectra& spectra, const Frequenc
   std::vector<std::size_t> kept;
   for (std::size_t i = 0; i < centres.size(); ++i)
     if (std::ranges::all_of(all, [&](const Fits& fits) { return fits[i].has_value(); })) kept.push_back(i);
+  const VectorXd input_error = input_error_power(spectra);
   const auto rows = std::ssize(kept), columns = spectra.outputs.cols();
   LocalRationalFit result{{VectorXd(rows), spectra.channels, MatrixXcd(rows, columns), MatrixXd(rows, columns), false,
                            MatrixXd(rows, columns)},
                           MatrixXd(count, columns)};
   for (Index j = 0; j < columns; ++j) {
     const Fits& fits = all[static_cast<std::size_t>(j)];
-    result.noise.col(j) = interpolated_noise(centres, fits, first, count, options.half_width);
+    result.noise.col(j) = interpolated_noise(centres, fits, input_error, first, count, options.half_width);
     for (Index i = 0; i < rows; ++i) {
       const std::size_t place = kept[static_cast<std::size_t>(i)];
       const LocalFit& fit = *fits[place];

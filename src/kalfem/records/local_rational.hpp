@@ -29,7 +29,8 @@ struct LocalRationalFit {
 /// with polynomials A, B, C of `order`, by least squares of the equation times A. C / A is the leakage of motion that
 /// the record begins and ends with, which has the poles of H = B / A; it is left out where the noise is no larger
 /// without it. No window widens a resonance. Noise: the residual's power per degree of freedom over the mean of |A|^2,
-/// in which A's coefficients count twice, because they also follow the noise.
+/// in which A's coefficients count twice, because they also follow the noise; the mean over the windows that overlap,
+/// and |H|^2 times input_error_power().
 ///
 /// A window of 2 half_width + 1 lines may hold no more resonances than `order`: others make the noise too large.
 LocalRationalFit fit_local_rational(const RecordSpectra& spectra, const FrequencyBand& band,
