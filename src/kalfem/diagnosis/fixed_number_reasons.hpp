@@ -23,7 +23,7 @@ FurthestShift furthest_shift(const RecordEstimate& estimate, Eigen::Index i);
 std::string change_in_words(const FixedNumber& number, double change, std::optional<double> deviation = {});
 
 /// A number that is held fixed at a value against which the record speaks: the change that it asks for is significant
-/// at .1 % over all numbers together, beyond what is stated of it; a run with the change confirms it; and it moves an
+/// at .5 % over all numbers together, beyond what is stated of it; a run with the change confirms it; and it moves an
 /// unknown by more than its deviation. The likeliest one is the reason `fixed_parameter`, and a cause. Where the
 /// innovations contradict the model it must also explain that: with the change the mean NIS, by its linear prediction,
 /// is about what is expected. Otherwise a larger mistake is looked for first.

@@ -65,19 +65,21 @@ StatedTimes stated_times(const VectorXd& stamps, const std::vector<int>& lines, 
   StatedTimes stated{.times = {.count = stamps.size()}, .order = {}};
   const Index back = displaced(stamps);
   const bool sorts = stamps.allFinite() && stamps.size() > 2 && back > 0;
-  VectorXd ordered = stamps;
-  std::vector<int> own_lines = lines;
+  VectorXd sorted_stamps;
+  std::vector<int> sorted_lines;
   if (sorts) {
     stated.order.resize(static_cast<std::size_t>(stamps.size()));
     std::iota(stated.order.begin(), stated.order.end(), Index{0});
     std::ranges::stable_sort(stated.order, {}, [&](Index k) { return stamps[k]; });
-    ordered = stamps(stated.order);
-    own_lines = in_order(lines, stated.order);
-    if (starts_again(stamps, ordered)) {
+    sorted_stamps = stamps(stated.order);
+    sorted_lines = in_order(lines, stated.order);
+    if (starts_again(stamps, sorted_stamps)) {
       time_axis(stamps, lines, options, problems);
       return stated;
     }
   }
+  const VectorXd& ordered = sorts ? sorted_stamps : stamps;
+  const std::vector<int>& own_lines = sorts ? sorted_lines : lines;
   FileProblems as_even(problems.file());
   const TimeAxis axis = time_axis(ordered, own_lines, options, as_even);
   if (as_even.empty()) {

@@ -168,6 +168,7 @@ double ChangeTrials::prior_deviation(Index unknown) const {
 }
 
 bool ChangeTrials::takes_a_run() {
+  if (allowed_ > 0) return allowed_-- > 0;
   if (!stopped_) stopped_ = !budget_.take(steps_);
   return !stopped_;
 }

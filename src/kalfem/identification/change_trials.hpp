@@ -48,6 +48,11 @@ public:
   /// Moves a change to where the innovations of its run become too large, within two steps, as long as that is better.
   void follow_onset(ChangeTrial& best, Eigen::Index step);
 
+  /// Allows so many runs beyond the budget, which are taken first.
+  void allow_runs(int runs) {
+    allowed_ = runs;
+    stopped_ = false;
+  }
   [[nodiscard]] bool stopped() const { return stopped_; }  ///< the budget allowed no further run
   [[nodiscard]] const Places& places(Eigen::Index unknown) { return places_[unknown]; }
   /// Of a change that an unknown may make, in the filter's state.
@@ -69,6 +74,7 @@ private:
   double steps_;
   StepBudget& budget_;
   bool stopped_ = false;
+  int allowed_ = 0;  ///< runs beyond the budget
   std::map<Eigen::Index, Places> places_;
 };
 

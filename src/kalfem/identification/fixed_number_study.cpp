@@ -20,7 +20,7 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double most_memory = 1e9;  ///< of gains and derivatives [byte]
-constexpr double level = 0.001;      ///< of the test of all numbers together
+constexpr double level = 0.005;      ///< of the test of all numbers together
 constexpr std::size_t most_confirmed = 3;
 constexpr double most_change = 0.5;       ///< in a number's scale, of a run with it
 constexpr double cost_of_mean = 0.2;      ///< filter steps that a step of the mean alone costs, about

@@ -37,7 +37,7 @@ struct FixedNumberStudy {
 
   [[nodiscard]] Eigen::Index size() const { return score.size(); }
   [[nodiscard]] bool any_stated() const;
-  /// Whether the change that the record asks for is significant at .1 % over all numbers together, beyond what is
+  /// Whether the change that the record asks for is significant at .5 % over all numbers together, beyond what is
   /// stated of the number.
   [[nodiscard]] bool is_significant(Eigen::Index i) const;
 };

@@ -24,6 +24,7 @@ constexpr double worth_a_run = 16.0;      ///< largest statistic of the scores
 constexpr double near_the_largest = 0.2;  ///< statistic of another unknown that is tried too
 constexpr std::size_t most_tried = 4;     ///< unknowns, of which the best
 constexpr std::size_t most_placed = 2;    ///< are placed
+constexpr int placing_runs = 8;           ///< for the time of a change that explains, beyond a limited budget
 constexpr double significant = 30.0;      ///< gain
 constexpr double slight = 0.3;            ///< excess of NIS about which scores still tell where
 constexpr double most_left = 0.5;         ///< of the excess of NIS, where the change explains it
@@ -198,6 +199,7 @@ private:
       auto best = explaining(std::move(trials.front()), constant);
       if (!best) return std::nullopt;
       trials.front() = *std::move(best);
+      trials_.allow_runs(placing_runs);
     }
     ChangeTrial best;
     for (std::size_t i = 0; i < std::min(trials.size(), limited_ ? 1 : most_placed); ++i) {

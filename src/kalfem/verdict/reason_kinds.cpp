@@ -53,7 +53,7 @@ std::span<const ReasonKind> reason_kinds() {
        Gravity::either},
       {{"fixed_parameter"},
        "a number that the case holds fixed (a mass, a gain, a number of a law) at a value against which "
-       "the record speaks: the change that it asks for is significant at .1 % over all numbers together "
+       "the record speaks: the change that it asks for is significant at .5 % over all numbers together "
        "and moves an unknown by more than its standard deviation ([How well do you know your "
        "model?](fixed-numbers.md)). Where a larger contradiction was looked into, it is the hypothesis "
        "of that name that explains most",
