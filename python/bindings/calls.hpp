@@ -52,6 +52,10 @@ private:
 /// raise through the library. See python_law().
 void raise_of_laws(const Structure& structure);
 
+/// Warns of laws that are Python functions where the calls that so many samples take are expected to last for long: by
+/// the time that a call takes now.
+void warn_of_slow_laws(const Structure& structure, Eigen::Index samples);
+
 /// A long call about structures whose laws may be functions of Python.
 template <class Work>
 auto long_call(const std::vector<Structure>& structures, const py::object& progress, const Work& work) {

@@ -168,6 +168,7 @@ Question question_of(const Structure& structure, const py::object& t, const py::
 py::tuple estimate_record(const Structure& structure, const py::object& t, const py::object& y, const py::dict& inputs,
                           const py::dict& arguments, const py::object& progress) {
   auto [moved, record, options] = question_of(structure, t, y, inputs, arguments);
+  warn_of_slow_laws(structure, record.samples());
   auto result =
       long_call(structure, progress, [&, &moved = moved, &record = record, &options = options](const Progress& report) {
         options.progress = report;

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cctype>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
 #include <limits>
 #include <mutex>
 
 #include "calls.hpp"
+#include "kalfem/system/laws/compiled_law.hpp"
 #include "kalfem/system/laws/law_library.hpp"
 #include "structure.hpp"
 
@@ -15,6 +19,9 @@ using Eigen::ArrayXXd;
 using Eigen::Index;
 
 namespace {
+
+constexpr double calls_a_sample = 10.0;   ///< of a filter with two parts of an interval, fourth order
+constexpr double worth_a_warning = 10.0;  ///< [s]
 
 /// Of central differences about x.
 ArrayXd steps_about(const Eigen::Ref<const ArrayXd>& x) { return (6e-6 * x.abs()).max(1e-9); }
@@ -53,6 +60,21 @@ public:
     response.inertance.setZero();
   }
 
+  /// Of a call with the points of a usual filter, at deformations about zero; the least of three.
+  [[nodiscard]] double seconds_a_call(const Eigen::VectorXd& values) const {
+    constexpr Index points = 100;
+    const ArrayXd x = ArrayXd::LinSpaced(points, -1e-3, 1e-3);
+    const ArrayXXd parameters = values.transpose().replicate(points, 1).array();
+    double least = std::numeric_limits<double>::infinity();
+    for (int trial = 0; trial < 3; ++trial) {
+      const auto begin = std::chrono::steady_clock::now();
+      static_cast<void>(evaluate(x, x, parameters));
+      least = std::min(least, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+    }
+    static_cast<void>(take_raised());  // the run itself finds it
+    return least;
+  }
+
   /// What the function raised since the last call of this.
   [[nodiscard]] std::exception_ptr take_raised() const {
     const std::scoped_lock lock(guard_);
@@ -89,6 +111,42 @@ private:
   mutable std::exception_ptr raised_;
 };
 
+/// What keeps an object of Python alive, from any thread.
+std::shared_ptr<const void> owner_of(const py::object& object) {
+  const auto release = [](py::object* held) {
+    const py::gil_scoped_acquire acquired;
+    delete held;
+  };
+  return std::shared_ptr<py::object>(new py::object(object), release);
+}
+
+/// The ctypes function of a compiled one: numba's cfunc has it as `ctypes`. None of anything else.
+py::object ctypes_function_of(const py::object& given) {
+  const bool numba = py::hasattr(given, "address") && py::hasattr(given, "ctypes");
+  py::object function = numba ? given.attr("ctypes") : given;
+  const py::object kind = py::module_::import("ctypes").attr("_CFuncPtr");
+  return py::isinstance(function, kind) ? function : py::none();
+}
+
+/// double f(double x, double v, const double* parameters), as ctypes or numba's cfunc give it.
+Law compiled_law_of(const py::object& given, const py::object& function, const NamedValues& values) {
+  const py::module_ ctypes = py::module_::import("ctypes");
+  const py::object number = ctypes.attr("c_double"), numbers = ctypes.attr("POINTER")(number);
+  const std::string name = py::str(py::getattr(given, "__name__", py::str("law")));
+  const py::object takes = function.attr("argtypes"), gives = function.attr("restype");
+  if (takes.is_none() || !py::tuple(takes).equal(py::make_tuple(number, number, numbers)) || !gives.is(number))
+    throw InvalidInput("law: the compiled function '" + name + "' takes " + std::string(py::str(takes)) +
+                           " and gives " + std::string(py::str(gives)),
+                       "a law is double f(double x, double v, const double* parameters)",
+                       "set argtypes and restype of the ctypes function, or write "
+                       "@numba.cfunc(\"float64(float64, float64, CPointer(float64))\")");
+  const auto address = ctypes.attr("cast")(function, ctypes.attr("c_void_p")).attr("value").cast<std::uintptr_t>();
+  std::vector<LawQuantity> parameters;
+  for (const auto& [parameter, value] : values) parameters.push_back({parameter});
+  return law(compiled_law(name, std::move(parameters), reinterpret_cast<CompiledForce>(address), owner_of(given)),
+             values);
+}
+
 /// Powers as Python writes them.
 std::string with_powers(std::string formula) {
   for (auto at = formula.find("**"); at != std::string::npos; at = formula.find("**")) formula.replace(at, 2, "^");
@@ -113,6 +171,21 @@ void raise_of_laws(const Structure& structure) {
   for (const auto& connector : structure.description().parts.connectors)
     if (const auto* law = dynamic_cast<const PythonLaw*>(connector.law.get()))
       if (const auto raised = law->take_raised()) std::rethrow_exception(raised);
+}
+
+void warn_of_slow_laws(const Structure& structure, Index samples) {
+  for (const auto& connector : structure.description().parts.connectors) {
+    const auto* law = dynamic_cast<const PythonLaw*>(connector.law.get());
+    if (law == nullptr) continue;
+    const double seconds = law->seconds_a_call(connector.parameters) * calls_a_sample * static_cast<double>(samples);
+    if (seconds < worth_a_warning) continue;
+    const std::string text = "the law '" + law->name() +
+                             "' is a function of Python: a pass over the record takes about " +
+                             std::to_string(std::lround(seconds)) +
+                             " s, and a run several; a formula or a compiled function (numba.cfunc, ctypes) is as fast "
+                             "as the library's laws";
+    if (PyErr_WarnEx(PyExc_RuntimeWarning, text.c_str(), 2) != 0) throw py::error_already_set();
+  }
 }
 
 /// A word is the name of a law, and no formula: it has a letter, and nothing that a formula computes with.
@@ -142,6 +215,8 @@ Law law_of(const py::object& given, const NamedValues& values) {
     if (!is_in_library(text)) refuse_unknown_name(text);
     return is_in_library(text) ? law(text, values) : expression(with_powers(text), values);
   }
+  if (const py::object function = ctypes_function_of(given); !function.is_none())
+    return compiled_law_of(given, function, values);
   if (py::isinstance<py::function>(given) || PyCallable_Check(given.ptr()) != 0)
     return python_law(py::reinterpret_borrow<py::function>(given), values);
   throw InvalidInput("law: " + std::string(py::str(py::repr(given))) + " is given",

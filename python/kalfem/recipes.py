@@ -2,12 +2,13 @@
 """Pickles and copies of structures and their parts: the calls that made them are made again.
 
 A deck or a case is read again where a pickle is loaded; a law that is a function is found by its module and name, as
-functions are in every pickle.
+functions are in every pickle. A compiled function has no pickle.
 """
 
 from __future__ import annotations
 
 import copy
+import ctypes
 import functools
 import inspect
 
@@ -41,6 +42,8 @@ def _kept(value):
         return {key: _kept(each) for key, each in value.items()}
     if type(value) in (list, tuple):
         return type(value)(map(_kept, value))
+    if isinstance(value, ctypes._CFuncPtr) or hasattr(value, "ctypes"):
+        return value  # compiled functions do not change
     return copy.deepcopy(value)
 
 

@@ -105,7 +105,8 @@ Schema<Estimation> estimation() {
                     "standard deviation, in the SI unit of the state");
   const auto noise = Fields<AccelerationNoise>()
                          .optional("acceleration", &AccelerationNoise::acceleration, deviation("m/s^2/sqrt(Hz)"),
-                                   "density of white acceleration noise on every degree of freedom")
+                                   "density of white acceleration noise on every degree of freedom; two-sided: a "
+                                   "velocity's variance grows by its square each second")
                          .optional("accelerations", &AccelerationNoise::accelerations,
                                    named(located(deviation("m/s^2/sqrt(Hz)")), NameRule::dotted),
                                    "the same for single degrees of freedom");

@@ -38,7 +38,9 @@ struct UnknownParameter {
   std::vector<Eigen::Index> sensors = {};  ///< outputs that it is added to; then it has no targets and no transform
 };
 
-/// Continuous-time noise as densities, which do not depend on the sampling rate.
+/// Continuous-time noise as densities, which do not depend on the sampling rate. They are two-sided: white acceleration
+/// of density q has the autocovariance q^2 delta(tau), so that a velocity's variance grows by q^2 each second; its
+/// one-sided spectrum is 2 q^2.
 struct ProcessNoise {
   Eigen::VectorXd acceleration;      ///< white acceleration on each degree of freedom [m/s^2/sqrt(Hz)], n
   Eigen::VectorXd input;             ///< on each input that is modelled by states [its driving unit/sqrt(Hz)], n_u
