@@ -6,7 +6,7 @@
 namespace kalfem {
 
 /// In standard deviations of the last pass, whose bias lies within.
-inline constexpr double narrow_prior_breadth = 20.0;
+inline constexpr double narrow_prior_breadth = 5.0;
 
 /// The prior of a further pass over the record: the constant unknowns at the last pass's estimates, within
 /// narrow_prior_breadth of their deviations there, all else as stated. A filter spreads its sigma points as far as the

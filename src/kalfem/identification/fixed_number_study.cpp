@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "kalfem/base/parallel.hpp"
-#include "kalfem/estimation/narrow_prior.hpp"
 #include "kalfem/identification/runs_beside.hpp"
 #include "kalfem/identification/white_innovations.hpp"
 #include "kalfem/statistics/quantiles.hpp"
@@ -23,6 +22,7 @@ constexpr double most_memory = 1e9;  ///< of gains and derivatives [byte]
 constexpr double level = 0.005;      ///< of the test of all numbers together
 constexpr std::size_t most_confirmed = 3;
 constexpr double most_change = 0.5;       ///< in a number's scale, of a run with it
+constexpr double prior_breadth = 20.0;    ///< in deviations of an unknown: a number that is wrong moves it by some ten
 constexpr double cost_of_mean = 0.2;      ///< filter steps that a step of the mean alone costs, about
 constexpr double cost_of_tangent = 0.05;  ///< that the tangent of a number adds to it
 
@@ -39,7 +39,7 @@ EstimationProblemPtr about_estimates(const EstimationProblem& problem, const Rec
     if (unknown.random_walk > 0.0 || !(slope > 1e-6 * before)) continue;
     unknown.initial = value;
     const double own = estimate.result.unknowns.deviation(static_cast<Index>(i), last);
-    unknown.deviation = std::min(unknown.deviation * slope / before, narrow_prior_breadth * own);
+    unknown.deviation = std::min(unknown.deviation * slope / before, prior_breadth * own);
   }
   about->settings.substeps = estimate.augmented_model->options().substeps;
   about->settings.passes = 1;
@@ -105,7 +105,10 @@ EstimationOptions filter_options(const FilterRun& run, const EstimationSettings&
 class Collection {
 public:
   Collection(const std::vector<FixedNumber>& numbers, const EstimationResult& result, const RecordEstimate& estimate)
-      : whiten_(result), innovation_(whiten_(result.innovation).reshaped()), slope_(slopes(estimate)) {
+      : judged_(result.innovation.cols() - estimate.settled),
+        whiten_(result),
+        innovation_(judged(result.innovation)),
+        slope_(slopes(estimate)) {
     auto& study = found_.study;
     const auto count = static_cast<Index>(numbers.size()), samples = result.innovation.cols();
     study.numbers = numbers;
@@ -128,7 +131,7 @@ public:
       return;
     }
     if (found.by_run) study.by_runs.push_back(study.numbers[n].name);
-    const VectorXd moved = whiten_(derivative->innovation).reshaped();
+    const VectorXd moved = judged(derivative->innovation);
     white_.col(i) = moved.cast<float>();
     study.score[i] = -moved.dot(innovation_);
     study.shift.col(i) = slope_.cwiseProduct(derivative->unknowns.rightCols(1));
@@ -151,6 +154,11 @@ public:
   }
 
 private:
+  /// White, of the samples that are judged, channels and then samples.
+  [[nodiscard]] VectorXd judged(const MatrixXd& innovation) const {
+    return whiten_(innovation).rightCols(judged_).reshaped();
+  }
+
   /// d theta / d x of every unknown at its last estimate.
   static VectorXd slopes(const RecordEstimate& estimate) {
     const auto& state = estimate.result.state.mean;
@@ -162,8 +170,9 @@ private:
     return slope;
   }
 
+  Index judged_;  ///< samples
   WhiteInnovations whiten_;
-  VectorXd innovation_;  ///< white, channels and then samples
+  VectorXd innovation_;
   VectorXd slope_;
   Eigen::MatrixXf white_;                           ///< d nu / d c, white, one column a number
   std::vector<std::pair<Index, MatrixXd>> stated_;  ///< d nu / d c of the stated numbers
@@ -172,7 +181,8 @@ private:
 
 /// Runs the filter with the likeliest changes themselves, as their linear prediction may reach too far: along a
 /// direction that the record hardly tells, a change is large. Where numbers are stated the prediction counts.
-void confirm(const RunsBeside& runs, EstimationOptions options, double log_likelihood, FixedNumberStudy& study) {
+void confirm(const RunsBeside& runs, EstimationOptions options, Index first, double log_likelihood,
+             FixedNumberStudy& study) {
   if (study.any_stated()) return;
   options.keep_gains = false;
   std::vector<Index> likely;
@@ -183,7 +193,7 @@ void confirm(const RunsBeside& runs, EstimationOptions options, double log_likel
   for_each_index(likely.size(), processors(), [&](std::size_t n) {
     const Index i = likely[n];
     const double change = std::clamp(study.asked[i], -most_change, most_change);
-    study.confirmed[i] = runs.log_likelihood(static_cast<std::size_t>(i), change, options) - log_likelihood;
+    study.confirmed[i] = runs.log_likelihood(static_cast<std::size_t>(i), change, options, first) - log_likelihood;
   });
 }
 
@@ -226,7 +236,7 @@ std::optional<FixedNumberResult> study_fixed_numbers(const EstimationProblemPtr&
       for (std::size_t n = 0; n < derivatives[g].size(); ++n) collection.take(groups[first + g][n], derivatives[g][n]);
   }
   FixedNumberResult found = std::move(collection).finish();
-  confirm(runs, options_of_filter, result.log_likelihood, found.study);
+  confirm(runs, options_of_filter, estimate.settled, log_likelihood_from(result, estimate.settled), found.study);
   found.study.failed.insert(found.study.failed.end(), runs.left_out().begin(), runs.left_out().end());
   return found;
 } catch (const InvalidInput&) {

@@ -63,7 +63,8 @@ struct FixedNumberResult {
 ///     D_i,k = d nu_k / d c_i,   d theta / d c_i,
 /// and with the innovations nu_k and their covariances S_k of the filter
 ///     g_i = -sum_k D_i,k^T S_k^-1 nu_k,   I_ij = sum_k D_i,k^T S_k^-1 D_j,k.
-/// Gains and S_k do not depend on c here: what that leaves out is of second order where innovations are white.
+/// over the samples that are judged: behind an unknown start, its wide prior bends more than a wrong number does. Gains
+/// and S_k do not depend on c here: what that leaves out is of second order where innovations are white.
 ///
 /// Nothing where the filter stops, the estimates make no structure, or its gains and derivatives need more than a
 /// gigabyte; `budget`: filter steps.

@@ -159,10 +159,15 @@ std::optional<FixedGainMeans> RunsBeside::beside(std::size_t i, double change) c
   return std::nullopt;
 }
 
-double RunsBeside::log_likelihood(std::size_t i, double change, const EstimationOptions& options) const try {
+double log_likelihood_from(const EstimationResult& result, Index first) {
+  return result.log_density.tail(result.log_density.size() - first).sum();
+}
+
+double RunsBeside::log_likelihood(std::size_t i, double change, const EstimationOptions& options, Index first) const
+    try {
   const FilterRun changed = run_of(change_of(i, change));
   const EstimationResult result = kalfem::estimate(*changed.choice.augmented_model, changed.input, options);
-  return result.failure ? -std::numeric_limits<double>::infinity() : result.log_likelihood;
+  return result.failure ? -std::numeric_limits<double>::infinity() : log_likelihood_from(result, first);
 } catch (const InvalidInput&) {
   return -std::numeric_limits<double>::infinity();
 }

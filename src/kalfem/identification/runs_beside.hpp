@@ -43,8 +43,9 @@ public:
   [[nodiscard]] std::vector<NumberDerivative> derivatives(const std::vector<std::size_t>& group) const;
   /// The same by two runs beside number i, `by` in its scale away on either side.
   [[nodiscard]] std::optional<FixedGainMeans> difference(std::size_t i, double by) const;
-  /// ln L of the filter with number i changed [its scale]; minus infinity where it stops.
-  [[nodiscard]] double log_likelihood(std::size_t i, double change, const EstimationOptions& options) const;
+  /// ln L of the samples from `first` on with number i changed [its scale]; minus infinity where the filter stops.
+  [[nodiscard]] double log_likelihood(std::size_t i, double change, const EstimationOptions& options,
+                                      Eigen::Index first) const;
 
 private:
   /// The model of a run, and what is added to what it is given.
@@ -88,5 +89,8 @@ private:
   Gains gains_;
   FixedGainMeans base_;
 };
+
+/// ln L of the samples from `first` on, given those before.
+double log_likelihood_from(const EstimationResult& result, Eigen::Index first);
 
 }  // namespace kalfem
