@@ -8,7 +8,6 @@
 #include "console.hpp"
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/output_folder.hpp"
-#include "kalfem/casefile/description.hpp"
 #include "kalfem/live/state_file.hpp"
 #include "kalfem/watch/stream_source.hpp"
 #include "kalfem/watch/watcher.hpp"
@@ -24,21 +23,12 @@ constexpr auto state_interval = std::chrono::milliseconds(900);  ///< between tw
 constexpr auto patience = std::chrono::seconds(10);              ///< without a line, until it is told
 constexpr int poll_interval = 100;                               ///< [ms]
 
-LivePlan plan_of(const Study& study) {
-  if (!study.description->live)
-    throw InvalidInput(Issue{{study.file, 1},
-                             "the case has no `live`",
-                             "`kalfem watch` reads samples as they come",
-                             "put `live` in the place of its record; kalfem schema live lists the keys"});
-  return make_live_plan(study);
-}
-
 class Watch {
 public:
   explicit Watch(const WatchArguments& arguments)
       : arguments_(arguments),
         study_(load_study(arguments.case_file, changes_of(arguments.changes))),
-        plan_(plan_of(study_)),
+        plan_(make_live_plan(study_)),
         watcher_(
             plan_, [](const std::string& line) { print("{}\n", line); },
             [](const std::string& text) { print_error("{}\n", text); }) {

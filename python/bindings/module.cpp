@@ -16,6 +16,7 @@ PYBIND11_MODULE(_core, module) {
   bind_simulate(module);
   bind_estimate(module);
   bind_filter(module);
+  bind_watch(module);
   bind_infer(module);
   bind_place(module);
   bind_update(module);

@@ -50,6 +50,7 @@ _NAMES = {
     "loading": ("statics", "Statics", "StaticCase"),
     "vibration": ("modes", "frf", "frequency_responses", "mac", "Modes", "FrequencyResponses", "FrequencyResponse"),
     "live": ("Filter", "Estimate"),
+    "watching": ("watch", "Watch"),
     "law_library": ("laws",),
     "running": ("run",),
     "cases": ("read_case", "to_case", "Case"),
@@ -130,6 +131,7 @@ if TYPE_CHECKING:
     from .law_library import laws as laws
     from .likelihood import Likelihood as Likelihood
     from .live import Estimate as Estimate, Filter as Filter
+    from .watching import Watch as Watch, watch as watch
     from .loading import StaticCase as StaticCase, Statics as Statics, statics as statics
     from .mesh import mesh_of as mesh_of, read_mesh as read_mesh
     from .placing import Placement as Placement, SensorSet as SensorSet, place as place

@@ -151,6 +151,11 @@ void require_no_stream(const Study& study) {
 
 LivePlan make_live_plan(const Study& study) {
   const d::Case& given = *study.description;
+  if (!given.live)
+    throw InvalidInput(Issue{{study.file, 1},
+                             "the case has no `live`",
+                             "to watch is to read samples as they come",
+                             "put `live` in the place of its record; kalfem schema live lists the keys"});
   const d::Live& live = given.live->value;
   LivePlan plan{.start = live.start, .every = live.every, .state = live.state, .port = live.port};
   plan.problem = {with_substeps(*study.problem), *study.augmented_model, outputs_of(*study.augmented_model->model)};

@@ -41,7 +41,7 @@ struct LivePlan {
   std::optional<int> port;
 };
 
-/// The plan of a case with `live`. Throws InvalidInput for what only a whole record allows.
+/// The plan of a case with `live`. Throws InvalidInput without it, and for what only a whole record allows.
 LivePlan make_live_plan(const Study& study);
 
 /// The same while the study is made: problems go to `issues` with their place.
