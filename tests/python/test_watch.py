@@ -42,7 +42,8 @@ def cases(tmp_path_factory):
     folder = tmp_path_factory.mktemp("watch")
     for name, text in (("drive", DRIVE), ("live", LIVE)):
         (folder / f"{name}.yaml").write_text(text)
-    stream = subprocess.run([COMMAND, "play", folder / "drive.yaml", "--speed", "0"], capture_output=True, text=True, check=True)
+    play = [COMMAND, "play", folder / "drive.yaml", "--speed", "0"]
+    stream = subprocess.run(play, capture_output=True, text=True, check=True)
     return folder / "live.yaml", stream.stdout
 
 
@@ -62,7 +63,7 @@ def test_takes_dictionaries_and_arrays_as_it_takes_lines(cases):
     blocks = [json.loads(line) for line in stream.splitlines()]
     assert kf.watch(case).take(blocks) == expected
     live = kf.watch(case)
-    arrays = [{name: np.array(value, float) if isinstance(value, list) else value for name, value in each.items()} for each in blocks]
+    arrays = [{name: np.array(value, float) for name, value in each.items()} for each in blocks]
     assert [each for block in arrays for each in live.take(block)] == expected
 
 
