@@ -8,7 +8,6 @@
 #include <mutex>
 
 #include "calls.hpp"
-#include "kalfem/system/laws/compiled_law.hpp"
 #include "kalfem/system/laws/law_library.hpp"
 #include "structure.hpp"
 
@@ -141,10 +140,10 @@ Law compiled_law_of(const py::object& given, const py::object& function, const N
                        "set argtypes and restype of the ctypes function, or write "
                        "@numba.cfunc(\"float64(float64, float64, CPointer(float64))\")");
   const auto address = ctypes.attr("cast")(function, ctypes.attr("c_void_p")).attr("value").cast<std::uintptr_t>();
-  std::vector<LawQuantity> parameters;
-  for (const auto& [parameter, value] : values) parameters.push_back({parameter});
-  return law(compiled_law(name, std::move(parameters), reinterpret_cast<CompiledForce>(address), owner_of(given)),
-             values);
+  const auto force = reinterpret_cast<double (*)(double, double, const double*)>(address);
+  return law(name, values, [force, owner = owner_of(given)](double x, double v, std::span<const double> parameters) {
+    return force(x, v, parameters.data());
+  });
 }
 
 /// Powers as Python writes them.

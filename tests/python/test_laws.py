@@ -73,7 +73,7 @@ def test_an_undeclared_function_is_refused(tmp_path):
 
 
 def test_too_many_parameters_are_refused(tmp_path):
-    with pytest.raises(kf.InvalidInput, match="33 parameters: a compiled law may have 32"):
+    with pytest.raises(kf.InvalidInput, match="33 parameters: a force function takes at most 32"):
         chain(4, declared(law_in_c(tmp_path)), {f"p{i}": 1.0 for i in range(33)})
 
 
