@@ -175,6 +175,31 @@ const std::string lvm_header =
     "Channels\t2\t\t\nSamples\t3\t3\t\nY_Unit_Label\tmm\tg\t\nX0\t0.0E+0\t0.0E+0\t\nDelta_X\t0.002\t0.002\t\n"
     "***End_of_Header***\t\t\t\n";
 
+// Its times are read before its values: rate, values, order and the lines of mistakes are those of a short table.
+TEST_F(CsvFiles, OfMoreThanAMillionRowsIsReadAsAShortOne) {
+  constexpr int rows = 1'050'000;
+  const auto table = [](int bad_row, bool swapped) {
+    std::string text = "t,a,b\n";
+    text.reserve(20 * rows);
+    for (int k = 0; k < rows; ++k) {
+      const int at = swapped && k == 500'000 ? k + 1 : swapped && k == 500'001 ? k - 1 : k;
+      text += std::to_string(at) + "e-3," + (k == bad_row ? "x" : std::to_string(at % 997)) + ",1\n";
+    }
+    return text;
+  };
+  const CsvOptions options{.columns = {"a"}, .uneven = true};
+  for (const bool swapped : {false, true}) {
+    const Record record = read_csv(file(table(-1, swapped)), options);
+    ASSERT_EQ(record.samples(), rows);
+    ASSERT_EQ(record.values.rows(), 1);
+    EXPECT_EQ(record.sample_rate, 1000.0);
+    for (const Eigen::Index k : {0, 499'999, 500'000, 500'001, rows - 1}) EXPECT_EQ(record.values(0, k), k % 997) << k;
+  }
+  const auto issues = issues_of([&] { read_csv(file(table(900'000, false)), options); });
+  ASSERT_EQ(issues.size(), 1U);
+  EXPECT_EQ(issues[0].location.line, 900'002);
+}
+
 TEST_F(CsvFiles, LabViewFileWithComments) {
   const auto read = read_lvm(file(
       lvm_header + "X_Value\ta (Filtered)\tb\tComment\n0.000\t1.5\t2\tstarted, by hand\n0.002\t3\t4\n0.004\t5\t6\n"));

@@ -22,6 +22,9 @@
 
 namespace kalfem {
 
+using Eigen::Index;
+using Eigen::VectorXd;
+
 namespace {
 
 /// How this file is written: the options with what was found filled in.
@@ -173,14 +176,19 @@ public:
 
   [[nodiscard]] int title_line() const { return title_line_; }
 
+  /// Whether the table is so long that its times and its values are read one after the other, not to stand in the
+  /// memory together.
+  [[nodiscard]] bool is_long() const { return likely_rows_ > 1'000'000 && !options_.rows; }
+
   /// The rows of the named columns (empty: all), of which the first `complete`, one at most, must not miss values and
   /// are kept apart.
-  Columns read(const std::vector<std::string>& wanted, std::size_t complete, BlankRows blank) {
+  Columns read(const std::vector<std::string>& wanted, std::size_t complete, BlankRows blank, bool with_lines = true) {
     const auto positions = positions_of(wanted, titles, title_line_, problems);
     problems.raise();
     NumberRows rows(positions, names_of(titles), dialect_.decimal);
     if (options_.missing) rows.allow_missing_from(complete);
     if (complete > 0) rows.separate_first();
+    if (!with_lines) rows.without_lines();
     rows.reserve(options_.rows ? static_cast<std::size_t>(*options_.rows) : likely_rows_);
     read_rows(rows, blank);
     problems.raise();
@@ -212,14 +220,14 @@ private:
   // Without a time column a row's number is its time: a row without values must keep its place. Blank rows count where
   // a row with content follows.
   void read_rows(NumberRows& rows, BlankRows blank) {
-    constexpr std::ptrdiff_t released_at_once = 16 << 20;
+    constexpr std::ptrdiff_t released_at_once = 4 << 20;
     const std::size_t most =
         options_.rows ? static_cast<std::size_t>(*options_.rows) : std::numeric_limits<std::size_t>::max();
     const char* released = text_.view().data();
     std::vector<TextLine> blank_rows;
     bool begun = false;
     LineWalk reader(text_.view());
-    for (TextLine line; rows.lines().size() < most && reader.next(line);) {
+    for (TextLine line; rows.size() < most && reader.next(line);) {
       if (line.text.data() - released > released_at_once) {
         released = line.text.data();
         text_.release_before(released);
@@ -274,33 +282,60 @@ double seconds_per(const Channel& time, FileProblems& problems) {
   }
 }
 
-/// Takes the first column of the table, which is kept apart, as time.
-CsvRecord with_time_column(Columns columns, const CsvOptions& options, FileProblems& problems) {
-  auto& [titles, numbers] = columns;
-  const Channel time = titles.front();
-  Eigen::VectorXd stamps = numbers.take_first();
+/// What the column of times says.
+struct StatedAxis {
+  double sample_rate = 1.0, start = 0.0;
+  VectorXd times = {};            ///< where they are uneven
+  std::vector<Index> order = {};  ///< of the rows in time; empty: as they are
+};
+
+/// Of a table whose first column, which is kept apart, holds the times.
+StatedAxis axis_of(Columns& table, const CsvOptions& options, FileProblems& problems) {
+  const Channel& time = table.titles.front();
+  VectorXd stamps = table.numbers.take_first();
   stamps *= seconds_per(time, problems);
+  const auto& lines = table.numbers.lines();
   const TimeAxisOptions axis_options{.column = time.name, .jitter = options.jitter, .sample_rate = options.sample_rate};
-  CsvRecord read{.record = {.channels = {titles.begin() + 1, titles.end()}}};
-  auto& record = read.record;
-  if (!options.uneven) {
-    const TimeAxis axis = time_axis(stamps, numbers.lines(), axis_options, problems);
-    problems.raise();
-    record.sample_rate = axis.sample_rate;
-    record.start = axis.start;
-    record.values = numbers.take_by_column();
-    return read;
+  StatedAxis found;
+  if (options.uneven) {
+    StatedTimes stated = stated_times(stamps, lines, axis_options, options.missing, problems, options.notes);
+    found = {1.0, stated.times.start, std::move(stated.times.times), std::move(stated.order)};
+    if (stated.times.interval > 0.0) found.sample_rate = 1.0 / stated.times.interval;
+  } else {
+    const TimeAxis axis = time_axis(stamps, lines, axis_options, problems);
+    found.sample_rate = axis.sample_rate;
+    found.start = axis.start;
   }
-  const StatedTimes stated =
-      stated_times(stamps, numbers.lines(), axis_options, options.missing, problems, options.notes);
   problems.raise();
-  stamps.resize(0);
-  record.values = numbers.take_by_column();
-  if (!stated.order.empty()) record.values = record.values(Eigen::all, stated.order).eval();
-  read.times = stated.times.times;
-  record.start = stated.times.start;
-  if (stated.times.interval > 0.0) record.sample_rate = 1.0 / stated.times.interval;
-  return read;
+  return found;
+}
+
+CsvRecord with_axis(StatedAxis axis, std::vector<Channel> titles, Eigen::MatrixXd values) {
+  if (!axis.order.empty()) values = values(Eigen::all, axis.order).eval();
+  return {{.sample_rate = axis.sample_rate,
+           .start = axis.start,
+           .channels = std::move(titles),
+           .values = std::move(values)},
+          0,
+          std::move(axis.times)};
+}
+
+/// The record of a table with a column of times. Those of a long one are read before its values, so that both never
+/// stand in the memory together.
+CsvRecord record_with_times(CsvFile& file, const std::string& time, std::vector<std::string> wanted,
+                            const CsvOptions& options) {
+  if (file.is_long() && !wanted.empty()) {
+    StatedAxis axis = [&] {
+      Columns times = file.read({time}, 1, BlankRows::none);
+      return axis_of(times, options, file.problems);
+    }();
+    auto [titles, numbers] = file.read(wanted, 0, BlankRows::none, false);
+    return with_axis(std::move(axis), std::move(titles), numbers.take_by_column());
+  }
+  wanted.insert(wanted.begin(), time);
+  Columns table = file.read(wanted, 1, BlankRows::none);
+  StatedAxis axis = axis_of(table, options, file.problems);
+  return with_axis(std::move(axis), {table.titles.begin() + 1, table.titles.end()}, table.numbers.take_by_column());
 }
 
 }  // namespace
@@ -328,8 +363,7 @@ CsvRecord read_csv_record(const std::filesystem::path& path, const CsvOptions& o
     auto [titles, numbers] = file.read(wanted, 0, BlankRows::count);
     return {{*options.sample_rate, 0.0, std::move(titles), numbers.take_by_column()}, file.title_line()};
   }
-  wanted.insert(wanted.begin(), time);
-  CsvRecord read = with_time_column(file.read(wanted, 1, BlankRows::none), options, file.problems);
+  CsvRecord read = record_with_times(file, time, std::move(wanted), options);
   read.title_line = file.title_line();
   return read;
 }

@@ -252,15 +252,15 @@ NumberRows::NumberRows(std::vector<std::size_t> columns, std::vector<std::string
 
 void NumberRows::reserve(std::size_t rows) {
   const Eigen::Index count = static_cast<Eigen::Index>(rows), apart = first_apart_ ? 1 : 0;
-  lines_.reserve(rows);
+  if (keeps_lines_) lines_.reserve(rows);
   if (first_apart_) first_.conservativeResize(count);
   numbers_.conservativeResize(static_cast<Eigen::Index>(columns_.size()) - apart, count);
 }
 
 void NumberRows::add(int line, const std::vector<std::string_view>& cells, FileProblems& problems) {
-  const auto row = std::ssize(lines_);
-  if (row == numbers_.cols()) reserve(std::max<std::size_t>(64, 3 * lines_.size() / 2));
-  lines_.push_back(line);
+  const auto row = static_cast<Eigen::Index>(size_++);
+  if (row == numbers_.cols()) reserve(std::max<std::size_t>(64, 3 * size_ / 2));
+  if (keeps_lines_) lines_.push_back(line);
   for (std::size_t i = 0; i < columns_.size(); ++i) {
     const std::string_view cell = cells[columns_[i]];
     const std::optional<double> number = parse_number(cell, decimal_);
@@ -281,16 +281,16 @@ void NumberRows::add(int line, const std::vector<std::string_view>& cells, FileP
 }
 
 Eigen::Map<const Eigen::MatrixXd> NumberRows::by_column() const {
-  return {numbers_.data(), numbers_.rows(), std::ssize(lines_)};
+  return {numbers_.data(), numbers_.rows(), static_cast<Eigen::Index>(size_)};
 }
 
 Eigen::MatrixXd NumberRows::take_by_column() {
-  numbers_.conservativeResize(Eigen::NoChange, std::ssize(lines_));
+  numbers_.conservativeResize(Eigen::NoChange, static_cast<Eigen::Index>(size_));
   return std::move(numbers_);
 }
 
 Eigen::VectorXd NumberRows::take_first() {
-  first_.conservativeResize(std::ssize(lines_));
+  first_.conservativeResize(static_cast<Eigen::Index>(size_));
   return std::move(first_);
 }
 

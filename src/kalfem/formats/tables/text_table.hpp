@@ -113,6 +113,8 @@ public:
   void allow_missing_from(std::size_t wanted) { missing_from_ = wanted; }
   /// Keeps the first wanted column apart, as take_first() gives it. Before rows are added.
   void separate_first() { first_apart_ = true; }
+  /// Forgets the rows' lines once their problems are told. Before rows are added.
+  void without_lines() { keeps_lines_ = false; }
   /// Makes room for so many rows.
   void reserve(std::size_t rows);
   void add(int line, const std::vector<std::string_view>& cells, FileProblems& problems);
@@ -122,13 +124,15 @@ public:
   [[nodiscard]] Eigen::MatrixXd take_by_column();
   [[nodiscard]] Eigen::VectorXd take_first();
   [[nodiscard]] const std::vector<int>& lines() const { return lines_; }  ///< line of each row
+  [[nodiscard]] std::size_t size() const { return size_; }                ///< rows
 
 private:
   std::vector<std::size_t> columns_;
   std::vector<std::string> names_;
   char decimal_;
   std::optional<std::size_t> missing_from_;
-  bool first_apart_ = false;
+  bool first_apart_ = false, keeps_lines_ = true;
+  std::size_t size_ = 0;
   Eigen::VectorXd first_;    ///< with room for more rows
   Eigen::MatrixXd numbers_;  ///< columns x rows, with room for more
   std::vector<int> lines_;
