@@ -7,7 +7,6 @@
 
 #include "kalfem/base/units.hpp"
 #include "kalfem/identification/record_estimation.hpp"
-#include "kalfem/identification/refined_filter.hpp"
 
 namespace kalfem {
 
@@ -63,10 +62,10 @@ double renew_bases(const EstimationProblemPtr& problem, AugmentedModelSetup& set
   return steps;
 }
 
-/// Of a first answer whose substeps are not stated: one that takes fewer leaves as many for what follows.
+/// Of the usual first answer: one that takes fewer leaves as many for what follows.
 double usual_steps(const Record& record) {
-  constexpr int first = SubstepOptions{}.first;
-  return static_cast<double>(record.samples()) * (first + first / 2);
+  constexpr double a_sample = 6.0;
+  return a_sample * static_cast<double>(record.samples());
 }
 
 }  // namespace
