@@ -88,6 +88,22 @@ TEST(ConnectorForces, SolveIsTheRootThatBisectionFinds) {
   }
 }
 
+/// The dashpot of a stop acts at once: no force satisfies the equation where neither the open stop nor the closed one
+/// does, and the one within the jump holds the motion at the gap.
+TEST(ConnectorForces, AtAJumpTheMotionIsHeldThere) {
+  const double gap = 4e-4, c_stop = 1e4;
+  const LawCase stop{"gap", make_law("gap"), {1e5, c_stop, gap, 6e-4, 0.0, 0.0}};
+  const MatrixXd H = compliance(MatrixXd::Constant(1, 1, 1.0 / 1.5));
+  ConnectorForces forces(connectors_only({stop}));
+  const double over = 1e-7, rate = 0.3, expected = over / -H(0, 0);
+  ASSERT_LT(expected, c_stop * rate * 0.5);
+  forces.free_motion().row(0) << gap + over, rate, 0.0;
+  const auto outcome = forces.solve(H, step);
+  EXPECT_TRUE(outcome.converged && outcome.finite);
+  EXPECT_NEAR(forces.motion()(0, 0), gap, 1e-12);
+  EXPECT_NEAR(forces.force()(0, 0), expected, 1e-6 * expected);
+}
+
 TEST(ConnectorForces, FourUncoupledConnectorsAreFourSingleOnes) {
   const auto laws = monotone_laws();
   const std::vector<LawCase> four(laws.begin(), laws.begin() + 4);
@@ -351,12 +367,14 @@ TEST(ConnectorForces, MotionThatIsNotFiniteIsReported) {
 }
 
 TEST(ConnectorForces, EquationWithoutARootEndsAsNotConverged) {
-  // f = 1 - f + sign flip of the rate: the law's force jumps across the only crossing, so no f satisfies it.
-  const auto law = function_law([](double, double v) { return FunctionLaw::Value{v > 0.0 ? -1.0 : 1.0, 0.0, 0.0}; });
-  ConnectorForces forces(connectors_only({{"jump", law, {}}}));
+  const auto law = function_law([](double d, double) {
+    return FunctionLaw::Value{1.0 + d + d * d, 1.0 + 2.0 * d, 0.0};
+  });
+  ConnectorForces forces(connectors_only({{"parabola", law, {}}}));
   MatrixXd H = MatrixXd::Zero(3, 1);
-  H(1, 0) = 1.0;  // f = -1 gives v < 0 and so f = 1, which gives v > 0 and so f = -1
+  H(0, 0) = 1.0;  // d = f, and f = 1 + f + f^2 has no real root
   forces.free_motion().setZero();
+  forces.force().setConstant(0.3);
   const auto outcome = forces.solve(H, step);
   EXPECT_FALSE(outcome.converged);
   EXPECT_LE(outcome.iterations, ForceSolveOptions{}.max_iterations);

@@ -21,7 +21,10 @@ std::vector<Hypothesis> excitation_hypotheses(const FilterRun& base, const std::
 
 /// Size of the motion of a connector in a run.
 struct ConnectorMotion {
-  double deformation = 0.0, rate = 0.0, force = 0.0;  ///< rms [m], [m/s], [N]
+  double deformation = 0.0, rate = 0.0, force = 0.0;          ///< rms [m], [m/s], [N]
+  double least_deformation = 0.0, largest_deformation = 0.0;  ///< [m]
+
+  [[nodiscard]] bool moves() const { return deformation > 0.0 && rate > 0.0 && force > 0.0; }
 };
 
 /// What the model may have against it: each parameter that is held fixed, the first guess of each unknown, a law that a

@@ -10,6 +10,7 @@
 #include "kalfem/base/parallel.hpp"
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/diagnosis/evidence.hpp"
+#include "kalfem/diagnosis/law_terms.hpp"
 #include "kalfem/diagnosis/trial.hpp"
 
 namespace kalfem {
@@ -27,6 +28,10 @@ constexpr Index fewest_samples = 1500;  ///< of the record, where it has as many
 constexpr Index fewest_raced = 200;     ///< of it, in a race
 constexpr double worth_refining = 0.2;  ///< part of the best's rise
 constexpr double significant = 20.0;    ///< rise of the log-likelihood
+constexpr double worth_looking = 0.1;   ///< part of the best's rise: a law that is looked into
+constexpr double worth_telling = 0.01;  ///< part of the rise: a further force of a law
+constexpr std::size_t most_laws = 3;    ///< connectors whose laws are looked into term by term
+constexpr std::size_t most_terms = 3;   ///< of one law
 constexpr double as_good = 0.002;       ///< log-likelihood per measured value by which equal explanations differ
 
 /// Operations of one step of the filter, about.
@@ -73,13 +78,16 @@ struct TrialPlan {
   Index samples = 0;  ///< of the part
   std::size_t refined = 8;
   int most_steps = 10;
+  std::size_t laws = most_laws, terms = most_terms;
   std::size_t finalists = 12;
   double raced = std::numeric_limits<double>::infinity();  ///< whole parts that each round before the last may take
 
   /// Whole parts that a race takes beside its rounds.
   [[nodiscard]] double passes(const FilterRun& run) const {
+    constexpr double first_guesses = 18.0;  // of the terms of a law
     return static_cast<double>(runs_for_hypotheses(run)) + 1.0 + static_cast<double>(finalists) +
-           static_cast<double>(refined) * most_steps;
+           static_cast<double>(refined) * most_steps +
+           static_cast<double>(laws * terms) * (first_guesses + 0.3 * most_steps);
   }
   /// `starts`: first guesses of all hypotheses together.
   [[nodiscard]] std::vector<Round> rounds(std::size_t hypotheses, std::size_t starts) const {
@@ -102,6 +110,8 @@ std::optional<TrialPlan> plan_for(const DiagnosisInput& input, const FilterRun& 
   plan.finalists = 6;
   plan.refined = 2;
   plan.most_steps = 5;
+  plan.laws = 1;
+  plan.terms = 2;
   plan.raced = 15.0;
   const double parts = plan.passes(run) + 2.0 * plan.raced;
   const auto affordable = [&] { return static_cast<Index>(input.steps / (parts * plan.substeps)); };
@@ -133,10 +143,12 @@ public:
                         .mean_nis = given.mean_nis,
                         .expected_nis = given.expected_nis,
                         .widening = given.widening};
-    hypotheses_ = all_hypotheses(input_, base_, options_);
+    auto candidates = all_candidates(input_, base_, options_);
+    hypotheses_ = std::move(candidates.hypotheses);
     scores_.resize(hypotheses_.size());
     values_.resize(hypotheses_.size());
     race(given);
+    look_into_laws(given, candidates.motion);
     refine_the_best(given);
     collect(given, diagnosis);
     diagnosis.seconds = watch.seconds();
@@ -165,6 +177,73 @@ private:
       });
       order = best_first(given);
     }
+  }
+
+  /// Hypotheses of a wrong law stand for many forces together, enough to tell which connector is in question. Those of
+  /// the most likely ones give way to the forces that make it up, one after another while each explains far more.
+  void look_into_laws(const TrialScore& given, const std::vector<ConnectorMotion>& motion) {
+    std::vector<std::size_t> laws;
+    double best = 0.0;
+    for (const std::size_t h : best_first(given)) {
+      if (explains(hypotheses_[h], scores_[h])) best = std::max(best, gain(h, given));
+      if (hypotheses_[h].code == "wrong_law" && laws.size() < plan_.laws && gain(h, given) >= worth_looking * best)
+        laws.push_back(h);
+    }
+    for (const std::size_t h : laws) {
+      const auto& connectors = input_.parts.connectors;
+      const auto at = std::ranges::find(connectors, hypotheses_[h].subject, &ConnectorDescription::name);
+      add_terms(given, *at, motion[static_cast<std::size_t>(at - connectors.begin())]);
+      scores_[h] = {};
+    }
+  }
+
+  void add_terms(const TrialScore& given, const ConnectorDescription& connector, const ConnectorMotion& motion) {
+    std::vector<LawTerm> left = law_terms(motion);
+    std::vector<ChosenTerm> known;
+    double before = 0.0;
+    while (known.size() < plan_.terms && !left.empty()) {
+      const std::size_t first = hypotheses_.size();
+      for (const auto& term : left) {
+        auto with_it = known;
+        with_it.push_back({term});
+        add(lacking_terms(input_, connector, with_it, known.size()));
+      }
+      for_each_index(left.size(), processors(), [&](std::size_t i) { try_starts(first + i); });
+      std::size_t best = 0;
+      for (std::size_t i = 0; i < left.size(); ++i)
+        if (gain(first + i, given) > gain(first + best, given)) best = i;
+      if (left[best].searched()) refine(first + best);
+      const double reached = gain(first + best, given);
+      if (!(reached > before + std::max(significant, worth_telling * before))) break;
+      before = reached;
+      known.push_back({left[best], values_[first + best]});
+      for (std::size_t i = 0; i < left.size(); ++i)
+        if (left[i].searched() && values_[first + i] != 0.0) left[i].starts = {values_[first + i]};
+      left.erase(left.begin() + static_cast<std::ptrdiff_t>(best));
+    }
+    settle_places(connector, known);
+  }
+
+  /// The numbers of earlier forces again, beside those that came after them.
+  void settle_places(const ConnectorDescription& connector, std::vector<ChosenTerm> known) {
+    for (std::size_t i = known.size(); i-- > 0;) {
+      if (!known[i].term.searched() || i + 1 == known.size()) continue;
+      known[i].term.starts = {known[i].place};
+      add(lacking_terms(input_, connector, known, i));
+      try_starts(hypotheses_.size() - 1);
+      refine(hypotheses_.size() - 1);
+      known[i].place = values_.back();
+    }
+  }
+
+  void add(Hypothesis hypothesis) {
+    hypotheses_.push_back(std::move(hypothesis));
+    scores_.emplace_back();
+    values_.push_back(0.0);
+  }
+
+  void try_starts(std::size_t h) {
+    for (const double start : hypotheses_[h].starts) try_value(h, start);
   }
 
   /// Keeps the value if it explains the record better than those before. Says whether it does. A correction that the
@@ -253,12 +332,19 @@ private:
                                   .value = values_[h],
                                   .fitted = hypothesis.fitted,
                                   .failed = failed,
+                                  .explains = !failed && explains(hypothesis, score),
                                   .gain = failed ? 0.0 : gain(h, given),
                                   .mean_nis = score.mean_nis,
                                   .expected_nis = score.expected_nis,
                                   .widening = score.widening});
     }
+    std::ranges::stable_partition(diagnosis.tested, &TestedHypothesis::explains);
     prefer_the_simplest(std::max(significant, as_good * static_cast<double>(given.samples.sum())), diagnosis);
+  }
+
+  static bool explains(const Hypothesis& hypothesis, const TrialScore& score) {
+    return !hypothesis.widens || (state_of(score.widening) == VerdictState::consistent &&
+                                  state_of(score.loudest_part) == VerdictState::consistent);
   }
 
   /// Of those that explain as much as the best, the one that takes the fewest numbers from the record stands first.
@@ -266,7 +352,8 @@ private:
     auto& tested = diagnosis.tested;
     if (tested.empty() || tested.front().failed) return;
     const double least = tested.front().gain - tolerance;
-    const auto end = std::ranges::find_if(tested, [&](const auto& each) { return each.failed || each.gain < least; });
+    const auto end = std::ranges::find_if(
+        tested, [&](const auto& each) { return each.failed || !each.explains || each.gain < least; });
     std::stable_sort(tested.begin(), end, [](const auto& a, const auto& b) { return a.fitted < b.fitted; });
     for (auto other = tested.begin() + 1; other < end; ++other)
       if (other->fitted == tested.front().fitted) diagnosis.also.push_back(other->words);
@@ -285,7 +372,8 @@ private:
 }  // namespace
 
 std::optional<TestedHypothesis> Diagnosis::cause() const {
-  if (tested.empty() || tested.front().failed || !(tested.front().gain > significant)) return std::nullopt;
+  if (tested.empty() || tested.front().failed || !tested.front().explains || !(tested.front().gain > significant))
+    return std::nullopt;
   const auto& best = tested.front();
   const double excess = std::abs(mean_nis - expected_nis), left = std::abs(best.mean_nis - best.expected_nis);
   const bool explains = (failed && best.widening < unusable_widening) ||

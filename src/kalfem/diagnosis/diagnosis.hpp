@@ -14,7 +14,8 @@ struct TestedHypothesis {
   std::string remedy;
   double value = 0.0;  ///< its number: a factor, a delay in samples, an offset
   int fitted = 0;
-  bool failed = false;  ///< whether the corrected filter stopped
+  bool failed = false;   ///< whether the corrected filter stopped
+  bool explains = true;  ///< false: it only widens noise, and innovations are not white and even by it
   /// By how much the log-likelihood rises, less (fitted / 2) log N for its numbers (Schwarz 1978, Ann. Stat. 6,
   /// 461-464).
   double gain = 0.0;

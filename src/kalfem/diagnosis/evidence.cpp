@@ -87,7 +87,10 @@ public:
     for (std::size_t j = 0; j < input_.parts.connectors.size(); ++j) {
       const auto row = static_cast<Index>(3 * j);
       const auto size = [&](Index r) { return rms_of_present(result.monitored.mean.row(r).transpose()); };
-      motion.push_back({size(row), size(row + 1), size(row + 2)});
+      const auto deformation = result.monitored.mean.row(row).array();
+      motion.push_back({size(row), size(row + 1), size(row + 2),
+                        deformation.isFinite().select(deformation, 0.0).minCoeff(),
+                        deformation.isFinite().select(deformation, 0.0).maxCoeff()});
     }
     return motion;
   }
@@ -116,16 +119,16 @@ Index runs_for_hypotheses(const FilterRun& base) {
   return base.input.measured.values.rows() + excitations + 2;
 }
 
-std::vector<Hypothesis> all_hypotheses(const DiagnosisInput& input, const FilterRun& base,
-                                       const EstimationOptions& options) {
+Candidates all_candidates(const DiagnosisInput& input, const FilterRun& base, const EstimationOptions& options) {
   const Evidence evidence(input, base, options);
-  std::vector<Hypothesis> all =
-      sensor_hypotheses(input, base, evidence.likeness_of_sensors(), evidence.likeness_of_all());
+  Candidates all{sensor_hypotheses(input, base, evidence.likeness_of_sensors(), evidence.likeness_of_all()),
+                 evidence.motion_of_connectors()};
   const auto append = [&](std::vector<Hypothesis> further) {
-    all.insert(all.end(), std::make_move_iterator(further.begin()), std::make_move_iterator(further.end()));
+    all.hypotheses.insert(all.hypotheses.end(), std::make_move_iterator(further.begin()),
+                          std::make_move_iterator(further.end()));
   };
   append(excitation_hypotheses(base, evidence.sources(), evidence.likeness_of_excitations()));
-  append(model_hypotheses(input, evidence.motion_of_connectors()));
+  append(model_hypotheses(input, all.motion));
   return all;
 }
 

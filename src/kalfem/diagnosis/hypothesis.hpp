@@ -47,6 +47,9 @@ struct Hypothesis {
   double step = 0.0;  ///< of the search: samples, relative, or the offset's unit
   /// Numbers that it takes from the record. Of hypotheses that explain as much the one with the fewest is preferred.
   int fitted = 0;
+  /// It only allows a sensor larger innovations. That is an explanation where they are white and even by it; otherwise
+  /// anything that is wrong near the sensor would be one.
+  bool widens = false;
   std::function<CorrectedRun(double value)> correct;
   /// The mistake in words: "'a7' has the wrong sign".
   /// `estimates`: of the unknowns at the end of the corrected run.

@@ -146,7 +146,8 @@ bool has_other_guesses(const Unknown& unknown) {
   return unknown.initial != 0.0 && unknown.transform.kind != TransformKind::logit;
 }
 
-/// Further terms of a connector: cubic and quadratic stiffness, cubic damping, and friction, beside its law.
+/// Forces that make up most others together, as far as it takes to see which connector is in question: polynomials, one
+/// that is even in the rate among them, and friction.
 struct FurtherTerms {
   StructureParts parts;
   std::vector<Unknown> unknowns;
@@ -174,6 +175,7 @@ FurtherTerms further_terms(const StructureParts& given, const ConnectorDescripti
   unknown(name, *polynomial, "k2", force / (d * d));
   unknown(name, *polynomial, "k3", force / (3.0 * d * d * d));
   unknown(name, *polynomial, "c1", force / v);
+  unknown(name, *polynomial, "c2", force / (v * v));
   unknown(name, *polynomial, "c3", force / (3.0 * v * v * v));
   VectorXd of_friction = VectorXd::Zero(static_cast<Index>(friction->parameters().size()));
   for (std::size_t p = 0; p < friction->parameters().size(); ++p)
@@ -188,7 +190,7 @@ Hypothesis wrong_law(const DiagnosisInput& input, const ConnectorDescription& co
   const std::size_t place = input.problem->settings.unknowns.size();
   return {.code = "wrong_law",
           .subject = connector.name,
-          .fitted = 6,
+          .fitted = 7,
           .correct =
               [&input, connector, motion](double) {
                 auto terms = further_terms(input.parts, connector, motion);
@@ -207,8 +209,9 @@ Hypothesis wrong_law(const DiagnosisInput& input, const ConnectorDescription& co
                     {std::abs(estimates[p + 1]) * d * d, "quadratic in its deformation"},
                     {std::abs(estimates[p + 2]) * d * d * d, "cubic in its deformation"},
                     {std::abs(estimates[p + 3]) * v, "linear in its rate"},
-                    {std::abs(estimates[p + 4]) * v * v * v, "cubic in its rate"},
-                    {std::abs(estimates[p + 5]), "of friction"}};
+                    {std::abs(estimates[p + 4]) * v * v, "quadratic in its rate"},
+                    {std::abs(estimates[p + 5]) * v * v * v, "cubic in its rate"},
+                    {std::abs(estimates[p + 6]), "of friction"}};
                 const auto largest = std::ranges::max_element(terms);
                 return fmt::format(
                     "connector '{}' does not follow its law '{}': the record asks for a further force, "
@@ -266,7 +269,7 @@ std::vector<Hypothesis> model_hypotheses(const DiagnosisInput& input, const std:
     if (has_other_guesses(unknowns[i])) found.push_back(wrong_first_guess(input, i));
   const auto& connectors = input.parts.connectors;
   for (std::size_t j = 0; j < connectors.size() && j < motion.size(); ++j)
-    if (motion[j].deformation > 0.0 && motion[j].rate > 0.0 && motion[j].force > 0.0)
+    if (motion[j].moves())
       found.push_back(wrong_law(input, connectors[j], motion[j]));
   for (const auto& elements : input.problem->structure->finite_elements)
     if (elements.reduced) found.push_back(missing_modes(input, elements));

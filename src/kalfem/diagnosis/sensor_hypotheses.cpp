@@ -171,6 +171,7 @@ private:
                       .search = Search::factor,
                       .step = 0.4,
                       .fitted = 2,
+                      .widens = true,
                       .correct =
                           [*this](double factor) {
                             CorrectedRun corrected{base_, 0.0};
@@ -186,7 +187,7 @@ private:
                                                 : fmt::format("the noise of '{}' is {} times the stated one", name,
                                                               in_words(factor));
                           },
-                      .remedy = "state the noise of '" + name_ + "' as it is, or leave the sensor out"});
+                      .remedy = "state the noise of '" + name_ + "' as it is"});
   }
 
   const DiagnosisInput& input_;

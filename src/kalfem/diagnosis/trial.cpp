@@ -26,12 +26,12 @@ double mean_log_density(const EstimationResult& result, Index channel) {
   return count > 0.0 ? sum / count : 0.0;
 }
 
-double largest_widening(const FilterRun& run, const EstimationResult& result) {
+void judge_innovations(const FilterRun& run, const EstimationResult& result, TrialScore& score) {
   const Index settled = result.innovation.cols() / 20;
-  double largest = 1.0;
-  for (const auto& sensor : sensor_consistency(innovations_of(run.input.measured, result, settled)))
-    largest = std::max(largest, sensor.widening());
-  return largest;
+  for (const auto& sensor : sensor_consistency(innovations_of(run.input.measured, result, settled))) {
+    score.widening = std::max(score.widening, sensor.widening());
+    score.loudest_part = std::max(score.loudest_part, sensor.largest_part);
+  }
 }
 
 }  // namespace
@@ -70,7 +70,7 @@ TrialScore score_of(const CorrectedRun& corrected, const EstimationOptions& opti
   const double count = std::max(1.0, static_cast<double>(there.count()));
   score.mean_nis = there.select(result.nis.array(), 0.0).sum() / count;
   score.expected_nis = static_cast<double>(result.measured.sum()) / count;
-  score.widening = largest_widening(run, result);
+  judge_innovations(run, result, score);
   score.estimates = result.unknowns.mean.rightCols(1);
   return score;
 }

@@ -12,6 +12,8 @@ struct TrialScore {
   double log_likelihood = -std::numeric_limits<double>::infinity();
   double mean_nis = 0.0, expected_nis = 0.0;
   double widening = 1.0;  ///< the largest of a sensor
+  double loudest_part =
+      1.0;  ///< the largest of a sensor: rms of its normalised innovations in a twentieth of the record
   Eigen::VectorXd estimates;
   Eigen::VectorXi samples;  ///< present in each channel
 };

@@ -61,14 +61,16 @@ Index motion_arguments(const LocallyNonlinearSystem& system) {
   return (accelerations ? 3 : 2) * system.connector_count();
 }
 
-/// Forces at the first instant from states, unknowns and the motion there.
+// A point whose forces have not settled goes on with those of the last, damped iteration: one of many points is no
+// reason to end a run, and what it adds to the moments shows in the innovations.
+
+/// Forces at the first instant from states, unknowns and the motion there. False where one is not finite.
 bool solve_instant(const AugmentedModel& augmented_model, const ArrayXXd& in, Index motion, ConnectorForces& forces) {
   const Index first = picked_arguments(augmented_model.layout());
   forces.free_motion().leftCols(motion) = in.middleCols(first, motion);
   forces.begin_motion().leftCols(motion) = in.middleCols(first, motion);
   forces.begin_states() = in.leftCols(augmented_model.layout().connector_states);
-  const auto outcome = forces.solve(augmented_model.step().instant_compliance, 0.0);
-  return outcome.finite && outcome.converged;
+  return forces.solve(augmented_model.step().instant_compliance, 0.0).finite;
 }
 
 /// The motion and the states with which a part begins: those with which `before` ends, the last of its instants.
@@ -274,8 +276,7 @@ bool ProcessModel::solve_part(Index part, const ArrayXXd& in, const ArrayXXd& ou
   forces_.free_motion().leftCols(rows) =
       in.middleCols(picked_arguments(augmented_model_->layout()) + motion_ + part * rows, rows);
   add_combinations(force_motion_.block(part * rows, 0, rows, earlier), out, forces_.free_motion());
-  const auto outcome = forces_.solve(step.compliance, step.step / static_cast<double>(nodes_));
-  return outcome.finite && outcome.converged;
+  return forces_.solve(step.compliance, step.step / static_cast<double>(nodes_)).finite;
 }
 
 OpenMap ProcessModel::open(bool straight) const {

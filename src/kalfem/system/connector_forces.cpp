@@ -80,6 +80,7 @@ private:
   [[nodiscard]] bool residual_grew() const { return exceeds(next_residual_, growth_limit()); }
   [[nodiscard]] bool bisect(const MatrixXd& compliance, double duration);
   void bisect(Index connector, const MatrixXd& compliance, double duration);
+  [[nodiscard]] bool crosses(Index connector, const MatrixXd& compliance, double duration);
 
   ForceSolveOptions options_;
   PointBlocks blocks_;
@@ -248,15 +249,35 @@ void ConnectorForces::Solver::halve_where_worse() {
   }
 }
 
-/// Where Newton's method runs to and fro across a kink: each connector in turn by bisection, until none moves. Sure for
-/// laws that rise with d, d' and d'' (their compliance is negative), which joints, stops and friction do.
+/// Where Newton's method runs to and fro across a kink or a jump: each connector in turn by bisection, until none
+/// moves. Sure for laws that rise with d, d' and d'' (their compliance is negative), which joints, stops and friction
+/// do. At a jump of a law the force is the one within the jump that holds the motion there (Filippov 1988, Differential
+/// Equations with Discontinuous Righthand Sides).
 bool ConnectorForces::Solver::bisect(const MatrixXd& compliance, double duration) {
-  for (int sweep = 0; sweep < 200; ++sweep) {
+  constexpr int sweeps = 200, undamped = 20;
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
     const ArrayXXd before = force_;
     for (Index j = 0; j < force_.cols(); ++j) bisect(j, compliance, duration);
     if (!exceeds((force_ - before).abs(), options_.tolerance * (force_.abs() + options_.force_floor))) break;
+    if (sweep >= undamped) force_ = 0.5 * (force_ + before);
   }
-  return !exceeds((laws_.force - force_).abs(), 1e-6 * (force_.abs() + options_.force_floor));
+  bool solved = true;
+  for (Index j = 0; solved && j < force_.cols(); ++j) solved = crosses(j, compliance, duration);
+  evaluate(compliance, duration);
+  return solved && all_finite(force_);
+}
+
+/// Whether law - f is positive just below the force of a connector and negative just above it, at every point.
+bool ConnectorForces::Solver::crosses(Index j, const MatrixXd& compliance, double duration) {
+  const Eigen::ArrayXd root = force_.col(j), margin = 1e-6 * (root.abs() + options_.force_floor);
+  force_.col(j) = root - margin;
+  evaluate(compliance, duration);
+  const bool below = !exceeds(force_.col(j), laws_.force.col(j));
+  force_.col(j) = root + margin;
+  evaluate(compliance, duration);
+  const bool above = !exceeds(laws_.force.col(j), force_.col(j));
+  force_.col(j) = root;
+  return below && above;
 }
 
 /// f - law(k_free + H f) rises with f by 1 at least, so its root lies no farther from f than its value there.

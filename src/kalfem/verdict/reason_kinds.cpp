@@ -132,7 +132,10 @@ std::span<const ReasonKind> mistake_kinds() {
        "the initial value of an unknown, with its relative prior: a filter that starts far off may end "
        "far off",
        Gravity::either},
-      {{"wrong_law"}, "a connector that needs a further force: linear, quadratic, cubic, friction", Gravity::either},
+      {{"wrong_law"},
+       "a connector that needs further forces: a stop, another damping in rebound than in compression, a force "
+       "quadratic or cubic in the deformation or the rate, friction, hysteresis, a lag",
+       Gravity::either},
       {{"missing_modes"}, "modes that the reduction left out", Gravity::either},
   };
   return kinds;

@@ -65,9 +65,26 @@ ConnectorLawPtr stribeck_law();
 /// Spring and dashpot with a bump stop on one side or both,
 ///     f = k d + c v + r(d - gap_upper, v) - r(-d - gap_lower, -v),
 ///     r(o, w) = max(0, k_stop o + c_stop w) where the overlap o > 0, else 0:
-/// the stop pushes and never pulls. Parameters k_stop [N/m], c_stop [N s/m], gap_upper [m], gap_lower [m], k [N/m],
+/// the stop pushes and never pulls. At the first touch the force jumps by c_stop w; where a step ends there, the force
+/// takes the value within the jump that holds the motion at the gap. What has no such jump is hunt_crossley_law.
+/// Parameters k_stop [N/m], c_stop [N s/m], gap_upper [m], gap_lower [m], k [N/m],
 /// c [N s/m]. An infinite gap (the default) is a side without a stop.
 ConnectorLawPtr gap_law();
+
+/// Spring and dashpot with a stop on one side or both whose damping grows with the overlap [HC75],
+///     f = k d + c v + r(d - gap_upper, v) - r(-d - gap_lower, -v),
+///     r(o, w) = k_stop o max(0, 1 + 3/2 a_stop w) where the overlap o > 0, else 0:
+/// the force begins and ends at zero. For slow impacts 1 - a_stop v_i is the coefficient of restitution at the speed
+/// v_i. Parameters k_stop [N/m], a_stop [s/m], gap_upper [m], gap_lower [m], k [N/m], c [N s/m]; the gaps
+/// as in gap_law.
+ConnectorLawPtr hunt_crossley_law();
+
+/// Shock absorber that is another one in rebound (extension, v > 0) than in compression, and whose damping falls with
+/// the rate (digressive) [Dix07],
+///     f = k d + c_rebound v / (1 + v / v_rebound) for v > 0, k d + c_compression v / (1 - v / v_compression) else.
+/// Parameters c_rebound, c_compression [N s/m], v_rebound, v_compression [m/s] (infinite, the default: linear),
+/// k [N/m].
+ConnectorLawPtr damper_law();
 
 /// Jenkins element: a spring in series with a dry-friction slider, with a spring and dashpot alongside,
 ///     f = k d + c v + q,     q = k_stick (d - slip),     |q| <= f_slip,     slip' = 0 while |q| < f_slip.
@@ -95,6 +112,34 @@ ConnectorLawPtr bilinear_law();
 /// The form m y'' + c y' + k_L y + w = u, w' = a y' - b (g |y'| |w|^(n-1) w + e y' |w|^n) of the published benchmark
 /// [NS16] is k = k_L + a, alpha = k_L / k, A = 1, beta = b g a^(n-1), gamma = b e a^(n-1), with w = a z.
 ConnectorLawPtr bouc_wen_law();
+
+/// The law of Bouc and Wen whose strength and stiffness fall with the dissipated energy [BN85] and whose loops are
+/// pinched [Fol95], f = alpha k d + (1 - alpha) k z + c v with
+///     z' = h (A v - nu (beta |v| |z|^(n-1) z + gamma v |z|^n)) / eta,     e' = z v,
+///     nu = 1 + delta_nu e,     eta = 1 + delta_eta e,     h = 1 - zeta_1 exp(-(z sgn(v) - q z_u)^2 / zeta_2^2),
+///     zeta_1 = zeta_s (1 - exp(-p e)),     zeta_2 = (psi + delta_psi e) (lambda + zeta_1),
+///     z_u = (A / (nu (beta + gamma)))^(1/n).
+/// States z [m] and e [m^2], the energy over (1 - alpha) k. With delta_nu, delta_eta and zeta_s zero, the default, it
+/// is bouc_wen_law, integrated along time.
+ConnectorLawPtr degrading_bouc_wen_law();
+
+/// Iwan's joint with four parameters [Seg05]: sliders in parallel, those that slip at a deformation phi with the
+/// density R phi^chi up to phi_max, and a spring S that slips there,
+///     phi_max = f_s (1 + beta) / (k_t (beta + (chi + 1) / (chi + 2))).
+/// The dissipation of a cycle of amplitude a < phi_max is 4 R a^(3+chi) / ((2 + chi) (3 + chi)). Twenty sliders over
+/// three decades and the last one stand for the density; each is a Jenkins element with its exact return map.
+/// Parameters f_s [N], k_t [N/m], chi in (-1, 0] [-], beta [-], k [N/m], c [N s/m].
+ConnectorLawPtr iwan_law();
+
+/// A spring and a dashpot in series (Maxwell) beside a spring and a dashpot, f = k d + c v + k_branch (d - z),
+/// z' = (d - z) / tau. Several in parallel are a Prony series. Parameters k_branch [N/m], tau [s], k [N/m], c [N s/m].
+ConnectorLawPtr maxwell_law();
+
+/// Friction by the deflection z of bristles [CdW95],
+///     f = k d + sigma_0 z + sigma_1 z' + sigma_2 v,     z' = v - sigma_0 |v| z / g(v),
+///     g(v) = f_c + (f_s - f_c) exp(-(v / v_s)^2).
+/// Parameters sigma_0 [N/m], f_c [N], f_s [N], v_s [m/s], sigma_1 [N s/m], sigma_2 [N s/m], k [N/m].
+ConnectorLawPtr lugre_law();
 
 /// No force. It carries a signal of a law: its deformation is the signal, and it stands behind the law's connector, in
 /// the order of ConnectorLaw::signals().

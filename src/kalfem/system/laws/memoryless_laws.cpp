@@ -308,6 +308,45 @@ struct GapKernel {
   }
 };
 
+/// Contact whose damping grows with its overlap.
+struct HuntCrossleyKernel {
+  static constexpr std::size_t parameter_count = 6, state_count = 0;
+
+  /// Of one side, and its derivatives by overlap and rate.
+  struct Push {
+    double force, stiffness, damping;
+  };
+  static Push push(double k_stop, double a, double overlap, double rate) {
+    // The open side's overlap may be -infinity: it is replaced before it meets a stiffness, which may be zero.
+    const double loss = 1.0 + 1.5 * a * rate, touches = ((overlap > 0.0) & (loss > 0.0)) ? 1.0 : 0.0;
+    const double spring = touches * k_stop * (overlap > 0.0 ? overlap : 0.0);
+    return {spring * loss, touches * k_stop * loss, 1.5 * a * spring};
+  }
+
+  KernelOutput<> operator()(const KernelInput<6>& in) const {
+    const auto [k_stop, a_stop, gap_upper, gap_lower, k, c] = in.p;
+    const Push upper = push(k_stop, a_stop, in.d - gap_upper, in.v);
+    const Push lower = push(k_stop, a_stop, -in.d - gap_lower, -in.v);
+    return {.force = k * in.d + c * in.v + upper.force - lower.force,
+            .stiffness = k + upper.stiffness + lower.stiffness,
+            .damping = c + upper.damping + lower.damping,
+            .inertance = 0.0,
+            .s = {}};
+  }
+};
+
+struct DamperKernel {
+  static constexpr std::size_t parameter_count = 5, state_count = 0;
+
+  KernelOutput<> operator()(const KernelInput<5>& in) const {
+    const auto [c_rebound, c_compression, v_rebound, v_compression, k] = in.p;
+    const bool extends = in.v > 0.0;
+    const double c = extends ? c_rebound : c_compression, knee = extends ? v_rebound : v_compression;
+    const double bend = 1.0 / (1.0 + (extends ? in.v : -in.v) / knee);
+    return {.force = k * in.d + c * in.v * bend, .stiffness = k, .damping = c * bend * bend, .inertance = 0.0, .s = {}};
+  }
+};
+
 }  // namespace
 
 ConnectorLawPtr gap_law() {
@@ -322,6 +361,32 @@ ConnectorLawPtr gap_law() {
            Range::nonnegative, absent},
           {"k", "N/m", "stiffness alongside", Range::nonnegative, 0.0},
           {"c", "N s/m", "damping alongside", Range::nonnegative, 0.0}});
+}
+
+ConnectorLawPtr hunt_crossley_law() {
+  constexpr double absent = std::numeric_limits<double>::infinity();
+  return std::make_shared<PointwiseLaw<HuntCrossleyKernel>>(
+      "hunt_crossley",
+      std::vector<LawQuantity>{
+          {"k_stop", "N/m", "stiffness of a stop in contact", Range::nonnegative},
+          {"a_stop", "s/m", "loss of rebound speed per speed of impact, about", Range::nonnegative, 0.0},
+          {"gap_upper", "m", "deformation at which the upper stop is reached (positive)", Range::nonnegative, absent},
+          {"gap_lower", "m", "magnitude of the negative deformation at which the lower stop is reached",
+           Range::nonnegative, absent},
+          {"k", "N/m", "stiffness alongside", Range::nonnegative, 0.0},
+          {"c", "N s/m", "damping alongside", Range::nonnegative, 0.0}});
+}
+
+ConnectorLawPtr damper_law() {
+  constexpr double linear = std::numeric_limits<double>::infinity();
+  return std::make_shared<PointwiseLaw<DamperKernel>>(
+      "damper",
+      std::vector<LawQuantity>{
+          {"c_rebound", "N s/m", "damping at small positive rate (extension)", Range::nonnegative},
+          {"c_compression", "N s/m", "damping at small negative rate", Range::nonnegative},
+          {"v_rebound", "m/s", "rate at which the rebound's damping has halved", Range::positive, linear},
+          {"v_compression", "m/s", "rate at which the compression's damping has halved", Range::positive, linear},
+          {"k", "N/m", "stiffness alongside", Range::nonnegative, 0.0}});
 }
 
 }  // namespace kalfem
