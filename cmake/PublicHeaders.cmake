@@ -16,6 +16,7 @@ set(KALFEM_CORE_HEADERS
     model/elements/element.hpp model/mesh/mesh.hpp model/mesh/properties.hpp
     model/gauges/gauge_description.hpp
     model/statics/load_case.hpp # of decks
+    modal/identify_modes.hpp modal/modal_options.hpp modal/modal_result.hpp records/spectrum.hpp # modes of a record alone
     records/record.hpp reduction/superelement.hpp
     vibration/computed_response.hpp
     system/connector_law.hpp system/signal.hpp
@@ -26,7 +27,7 @@ set(KALFEM_FORMATS_HEADERS
 set(KALFEM_STUDY_HEADERS analysis/analysis.hpp report/run_case.hpp)
 
 # The folders' libraries of each component; a component uses those before it.
-set(KALFEM_CORE_LIBRARIES base linalg statistics sampling information verdict records model reduction system dynamics estimation prediction updating
+set(KALFEM_CORE_LIBRARIES base linalg statistics sampling information verdict records modal model reduction system dynamics estimation prediction updating
                           identification inference placement validation vibration diagnosis live api)
 if(KALFEM_MPI)
   list(APPEND KALFEM_CORE_LIBRARIES distributed)

@@ -24,6 +24,7 @@ const std::vector<Group>& groups() {
        {{"new", "kalfem new measured my-case"},
         {"check", "kalfem check my-case/case.yaml"},
         {"inspect", "kalfem inspect record.csv"},
+        {"modal", "kalfem modal record.csv --band 0.5 20 --out modes"},
         {"schema", "kalfem schema estimate"}}},
       {"Run a case",
        {{"run", "kalfem run my-case/case.yaml --set estimate.smooth=true --out results"},

@@ -31,6 +31,7 @@ struct Arguments {
   command::DeckModesArguments deck;
   command::WatchArguments watch;
   command::PlayArguments play;
+  command::ModalArguments modal;
   std::string case_file, resumed, page, shell, topic, kind, folder;
   std::vector<std::string> units, files;
   bool json = false, quiet = false, laws = false, ledger = false, large = false;
@@ -117,6 +118,10 @@ command::ExitCode execute(const CLI::App& app, Arguments& arguments) {
   if (app.got_subcommand("check")) return check(arguments);
   if (app.got_subcommand("inspect"))
     return command::inspect({arguments.files, arguments.json, arguments.large, arguments.page});
+  if (app.got_subcommand("modal")) {
+    arguments.modal.as_json = arguments.json;
+    return command::modal(arguments.modal);
+  }
   if (app.got_subcommand("new")) return command::new_case(arguments.kind, arguments.folder);
   if (app.got_subcommand("completion")) return command::completion(arguments.shell, verbs_of(app));
   if (app.got_subcommand("schema")) return command::schema(arguments.json, arguments.laws, arguments.topic);
@@ -264,6 +269,34 @@ void add_live_verbs(CLI::App& app, Arguments& arguments) {
   add_changes(*play, arguments);
 }
 
+void add_modal(CLI::App& app, Arguments& arguments) {
+  auto& asked = arguments.modal;
+  auto& options = asked.options;
+  auto* modal = app.add_subcommand("modal", "identify modes from responses alone, with their standard deviations");
+  modal->add_option("record", asked.file, "measured file, or case file (YAML) with `record`")->required();
+  modal->add_option("--channel", options.channels, "identify from this channel; several times; default: all but forces")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  modal
+      ->add_option("--reference", options.references,
+                   "correlate all channels with this one; several times; default: with all")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  modal->add_option("--band", asked.band, "look for modes between two frequencies, in Hz: filters and resamples")
+      ->type_name("FROM TO")
+      ->expected(2);
+  modal->add_option("--max-order", options.max_order, "largest order of the models; default: four a channel, 30 to 100")
+      ->type_name("N");
+  modal->add_option("--block-rows", options.block_rows, "of the Hankel matrix; default: a period of the lowest mode")
+      ->type_name("N");
+  modal->add_option("--blocks", options.blocks, "parts of the record that the deviations come from; default: 100")
+      ->type_name("N");
+  modal->add_option("--sample-rate", asked.sample_rate, "in Hz, where the file does not state it")->type_name("HZ");
+  modal->add_option("--out", asked.folder, "write tables, JSON and a universal file into this folder")
+      ->type_name("FOLDER");
+  modal->add_flag("--json", arguments.json, "print modes, shapes and the stabilisation diagram as JSON");
+}
+
 void add_verbs(CLI::App& app, Arguments& arguments) {
   app.formatter_fn([](const CLI::App* at, const std::string&, CLI::AppFormatMode) {
     return at->get_parent() ? command::help_of(usage_of(*at)) : command::overview(verbs_of(*at));
@@ -323,6 +356,7 @@ void add_verbs(CLI::App& app, Arguments& arguments) {
                     "read also parts of compressed files that unpack to far more than the file");
   inspect->add_option("--page", arguments.page, "write an HTML page with the course of every channel to this file")
       ->type_name("FILE");
+  add_modal(app, arguments);
   auto* schema = app.add_subcommand("schema", "print the reference of the case file");
   schema->add_option("section", arguments.topic, "one section of the case file: estimate");
   schema->add_flag("--json", arguments.json, "as a JSON Schema, for editors");

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "kalfem/modal/modal_options.hpp"
 #include "kalfem/steps/run_study.hpp"
 
 namespace kalfem::command {
@@ -115,6 +116,16 @@ struct InspectArguments {
 
 /// inspect: what measured files hold and what is odd about their channels, as text, JSON (one array) or a page.
 ExitCode inspect(const InspectArguments& arguments);
+struct ModalArguments {
+  std::string file;  ///< a record, or a case with one
+  ModalOptions options;
+  std::optional<double> sample_rate = {};  ///< [Hz], where the file does not state it
+  std::vector<double> band = {};           ///< [Hz]: none, or two
+  std::string folder;                      ///< of the results; empty: they are not written
+  bool as_json = false;
+};
+/// modal: the modes of a record alone, with their standard deviations. Not usable where there is none.
+ExitCode modal(const ModalArguments& arguments);
 /// schema: the case-file reference as text, all or one section; or as JSON Schema; or the connector laws.
 ExitCode schema(bool as_json, bool laws, const std::string& topic);
 /// The JSON Schema, for editors.

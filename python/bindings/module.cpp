@@ -18,6 +18,7 @@ PYBIND11_MODULE(_core, module) {
   bind_filter(module);
   bind_watch(module);
   bind_infer(module);
+  bind_modal(module);
   bind_place(module);
   bind_update(module);
   bind_validate(module);

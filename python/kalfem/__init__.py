@@ -45,6 +45,7 @@ _NAMES = {
     "posterior": ("Posterior",),
     "analysis": ("estimate", "predict", "simulate", "update"),
     "comparing": ("MeasuredModes", "MeasuredResponses", "MeasuredDeflections", "MeasuredRecord"),
+    "modal_identification": ("modal", "IdentifiedMode", "IdentifiedModes"),
     "placing": ("place", "Placement", "SensorSet"),
     "validating": ("validate", "Validation", "SensorValidation"),
     "loading": ("statics", "Statics", "StaticCase"),
@@ -134,6 +135,11 @@ if TYPE_CHECKING:
     from .watching import Watch as Watch, watch as watch
     from .loading import StaticCase as StaticCase, Statics as Statics, statics as statics
     from .mesh import mesh_of as mesh_of, read_mesh as read_mesh
+    from .modal_identification import (
+        IdentifiedMode as IdentifiedMode,
+        IdentifiedModes as IdentifiedModes,
+        modal as modal,
+    )
     from .placing import Placement as Placement, SensorSet as SensorSet, place as place
     from .posterior import Posterior as Posterior
     from .records import MeasuredFile as MeasuredFile, Record as Record, read as read

@@ -305,6 +305,14 @@ def predict(
     arguments: dict[str, Any],
     progress: _Progress = None,
 ) -> tuple[dict[str, Any], _Datasets]: ...
+def modal(
+    t: ArrayLike,
+    y: Any,
+    names: list[str],
+    units: list[str],
+    options: dict[str, Any],
+    progress: _Progress = None,
+) -> dict[str, Any]: ...
 def place(
     structure: Structure,
     t: ArrayLike,

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-/// Everything of kalfem::core: describe a structure, simulate it, choose its sensors, estimate its states and
-/// parameters from a record, infer their posterior, validate them on another record, or update it by modes, frequency
-/// responses, deflections and records. Files of other programs (kalfem::formats) and case files (kalfem::study) have
-/// headers of their own:
+/// Everything of kalfem::core: describe a structure, simulate it, choose its sensors, identify its modes from a record
+/// alone, estimate its states and parameters from a record, infer their posterior, validate them on another record, or
+/// update it by modes, frequency responses, deflections and records. Files of other programs (kalfem::formats) and case
+/// files (kalfem::study) have headers of their own:
 ///     kalfem/formats/tables/csv.hpp, kalfem/formats/deck.hpp, kalfem/formats/matrices/write.hpp
 ///     kalfem/report/run_case.hpp
 #include "kalfem/api/compare.hpp"
@@ -25,4 +25,5 @@
 #include "kalfem/api/vibration.hpp"
 #include "kalfem/base/interruption.hpp"
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/modal/identify_modes.hpp"
 #include "kalfem/records/record.hpp"

@@ -18,7 +18,7 @@ import pytest
 import kalfem as kf
 
 PROJECT = Path(__file__).parents[2]
-MODULES = ["analysis", "inferring", "law_library", "live", "loading", "placing", "records", "running", "validating", "vibration", "errors", "series", "results", "grid", "display"]
+MODULES = ["analysis", "inferring", "law_library", "live", "loading", "modal_identification", "placing", "records", "running", "validating", "vibration", "errors", "series", "results", "grid", "display"]
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calls.hpp"
+#include "kalfem/modal/identify_modes.hpp"
+#include "records.hpp"
+#include "results.hpp"
+
+namespace kalfem::python {
+namespace {
+
+/// Limits by name: {"mac": 0.9}.
+StabilisationOptions stabilisation_of(const py::dict& given) {
+  using Options = StabilisationOptions;
+  const std::vector<std::pair<std::string, double Options::*>> members = {
+      {"frequency", &Options::frequency},
+      {"damping", &Options::damping},
+      {"mac", &Options::mac},
+      {"largest_damping", &Options::largest_damping},
+      {"frequency_std", &Options::frequency_std},
+      {"damping_std", &Options::damping_std},
+      {"least_share", &Options::least_share},
+      {"least_participation", &Options::least_participation}};
+  Options options;
+  IssueList issues;
+  for (const auto& [key, value] : given) {
+    const auto name = py::str(key).cast<std::string>();
+    std::vector<std::string> names;
+    for (const auto& [each, member] : members) names.push_back(each);
+    if (const auto at = std::ranges::find(names, name); at == names.end())
+      issues.add({}, "stabilisation: there is no '" + name + "'" + did_you_mean(name, names), "", "");
+    else
+      options.*members[static_cast<std::size_t>(at - names.begin())].second = value.cast<double>();
+  }
+  issues.raise();
+  return options;
+}
+
+ModalOptions options_of(const py::dict& given) {
+  ModalOptions options{.channels = given["channels"].cast<std::vector<std::string>>(),
+                       .references = given["references"].cast<std::vector<std::string>>(),
+                       .block_rows = given["block_rows"].cast<int>(),
+                       .max_order = given["max_order"].cast<int>(),
+                       .blocks = given["blocks"].cast<int>(),
+                       .stabilisation = stabilisation_of(given["stabilisation"].cast<py::dict>()),
+                       .threads = given["threads"].cast<int>()};
+  if (!given["band"].is_none()) {
+    const auto [from, to] = given["band"].cast<std::pair<double, double>>();
+    options.band = FrequencyBand{from, to};
+  }
+  return options;
+}
+
+py::dict entry_of(const IdentifiedMode& mode) {
+  const double factor = mode.coverage_factor();
+  const auto interval = [&](double value, double deviation) {
+    return py::make_tuple(value - factor * deviation, value + factor * deviation);
+  };
+  py::dict entry;
+  entry["frequency"] = mode.frequency;
+  entry["frequency_std"] = mode.frequency_std();
+  entry["frequency_interval"] = interval(mode.frequency, mode.frequency_std());
+  entry["damping"] = mode.damping;
+  entry["damping_std"] = mode.damping_std();
+  entry["damping_interval"] = interval(mode.damping, mode.damping_std());
+  entry["covariance"] = array_of(Eigen::MatrixXd(mode.covariance));
+  entry["degrees_of_freedom"] = mode.degrees_of_freedom;
+  entry["shape"] = array_of(mode.shape);
+  entry["shape_std"] = array_of(mode.shape_std());
+  entry["shape_covariance"] = array_of(mode.shape_covariance);
+  entry["phase_collinearity"] = mode.phase_collinearity;
+  entry["participation"] = mode.participation;
+  entry["order"] = mode.order;
+  entry["orders"] = mode.orders;
+  entry["peak"] = mode.spectral ? py::object(py::make_tuple(mode.spectral->frequency, mode.spectral->mac)) : py::none();
+  return entry;
+}
+
+py::dict diagram_of(const ModalResult& result) {
+  const auto column = [&](auto value) {
+    Eigen::VectorXd values(std::ssize(result.diagram));
+    for (Eigen::Index i = 0; i < values.size(); ++i) values[i] = value(result.diagram[static_cast<std::size_t>(i)]);
+    return array_of(std::move(values));
+  };
+  py::dict diagram;
+  diagram["order"] = column([](const DiagramPole& pole) { return static_cast<double>(pole.order); });
+  diagram["frequency"] = column([](const DiagramPole& pole) { return pole.frequency; });
+  diagram["frequency_std"] = column([](const DiagramPole& pole) { return pole.frequency_std; });
+  diagram["damping"] = column([](const DiagramPole& pole) { return pole.damping; });
+  diagram["stable"] = column([](const DiagramPole& pole) { return pole.stable ? 1.0 : 0.0; });
+  return diagram;
+}
+
+py::dict modal(const py::object& t, const py::object& y, const std::vector<std::string>& names,
+               const std::vector<std::string>& units, const py::dict& given, const py::object& progress) {
+  ModalOptions options = options_of(given);
+  Record record = record_of(grid_of(t), y, names);
+  for (std::size_t i = 0; i < units.size(); ++i) record.channels[i].unit = units[i];
+  const auto result = LongCall(progress).run([&](const Progress& report) {
+    options.progress = report;
+    return identify_modes(record, options);
+  });
+  py::list modes;
+  for (const auto& mode : result.modes) modes.append(entry_of(mode));
+  py::dict found;
+  found["modes"] = modes;
+  found["channels"] = result.channels;
+  found["references"] = result.references;
+  found["sample_rate"] = result.sample_rate;
+  found["block_rows"] = result.block_rows;
+  found["max_order"] = result.max_order;
+  found["diagram"] = diagram_of(result);
+  found["remarks"] = result.remarks;
+  return found;
+}
+
+}  // namespace
+
+void bind_modal(py::module_& module) {
+  module.def("modal", &modal, py::arg("t"), py::arg("y"), py::arg("names"), py::arg("units"), py::arg("options"),
+             py::arg("progress") = py::none(), "Modes of a record alone: see kalfem.modal.");
+}
+
+}  // namespace kalfem::python

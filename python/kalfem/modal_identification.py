@@ -1,0 +1,222 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Modes of a structure from its responses alone, with their uncertainty."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .comparing import MeasuredModes
+from .compiled import core
+from .errors import InvalidInput, Issue, unknown_name
+from .progress import reporter
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from .analysis import Progress
+
+
+@dataclass(frozen=True)
+class IdentifiedMode:
+    """A mode that was identified, with the covariance of what was found."""
+
+    frequency: float  #: undamped natural frequency [Hz]
+    frequency_std: float  #: [Hz]
+    frequency_interval: tuple[float, float]  #: 95 % [Hz]
+    damping: float  #: ratio to critical
+    damping_std: float
+    damping_interval: tuple[float, float]  #: 95 %
+    covariance: np.ndarray = field(repr=False)  #: of frequency and damping, shape (2, 2)
+    degrees_of_freedom: float = field(repr=False)  #: of the standard deviations: how well the record tells them
+    shape: np.ndarray = field(repr=False)  #: complex, one a channel; the largest entry is 1
+    shape_std: np.ndarray = field(repr=False)  #: standard deviations of real parts + 1j those of imaginary parts
+    shape_covariance: np.ndarray = field(repr=False)  #: of real parts, then imaginary ones, shape (2 n, 2 n)
+    phase_collinearity: float = field(repr=False)  #: in [0, 1]; 1 where all channels move in phase or against it
+    participation: float = field(repr=False)  #: share of the references' variance
+    order: int = field(repr=False)  #: of the model that the mode is taken from
+    orders: int = field(repr=False)  #: in which it was found
+    peak: tuple[float, float] | None = field(repr=False)  #: of the spectra: frequency [Hz] and MAC; None: there is none
+
+
+@dataclass(frozen=True)
+class IdentifiedModes:
+    """Modes of a record by frequency, ``modes[0].frequency``; shapes of all, ``modes["a3"]`` is the row of a channel."""
+
+    modes: list[IdentifiedMode]
+    channels: list[str]  #: of the shapes
+    references: list[str]
+    sample_rate: float  #: of the samples that were used [Hz]
+    block_rows: int
+    max_order: int
+    diagram: dict[str, np.ndarray] = field(repr=False)  #: every pole: order, frequency, frequency_std, damping, stable
+    remarks: list[str] = field(repr=False)  #: doubts about settings and record, a sentence each
+
+    def __getitem__(self, key):
+        if not isinstance(key, str):
+            return self.modes[key]
+        if key not in self.channels:
+            raise unknown_name("channel", key, self.channels)
+        return self.shapes[self.channels.index(key)]
+
+    def __len__(self):
+        return len(self.modes)
+
+    def __iter__(self):
+        return iter(self.modes)
+
+    def __repr__(self):
+        return "\n".join(
+            f"{i}: {mode.frequency:.5g} +- {mode.frequency_std:.2g} Hz, damping {100 * mode.damping:.3g} "
+            f"+- {100 * mode.damping_std:.2g} %"
+            for i, mode in enumerate(self.modes, 1)
+        ) or "no modes"
+
+    @property
+    def frequencies(self) -> np.ndarray:
+        """[Hz], shape (modes,)."""
+        return np.array([mode.frequency for mode in self.modes])
+
+    @property
+    def damping(self) -> np.ndarray:
+        """Ratios to critical, shape (modes,)."""
+        return np.array([mode.damping for mode in self.modes])
+
+    @property
+    def shapes(self) -> np.ndarray:
+        """Complex, shape (channels, modes)."""
+        return np.array([mode.shape for mode in self.modes]).T.reshape(len(self.channels), len(self.modes))
+
+    @property
+    def real_shapes(self) -> np.ndarray:
+        """Each shape turned to the phase at which its real part is largest; the largest entry is 1."""
+        shapes = self.shapes
+        turned = (shapes * np.exp(-0.5j * np.angle((shapes**2).sum(axis=0)))).real
+        return turned / np.take_along_axis(turned, abs(turned).argmax(axis=0)[None, :], axis=0)
+
+    def measured(self, substructure: str, points: Sequence[str] | None = None, **options: Any) -> MeasuredModes:
+        """What :func:`update` compares a model with: frequencies with their deviations, and shapes.
+
+        Parameters
+        ----------
+        substructure : str
+        points : list of str, optional
+            Of the channels, in their order: ``"frame.tip.z"``. None: frequencies alone.
+        **options
+            Others of :class:`MeasuredModes`.
+        """
+        std = [mode.frequency_std for mode in self.modes]
+        if points is None:
+            return MeasuredModes(substructure, self.frequencies, std, **options)
+        if len(points) != len(self.channels):
+            raise InvalidInput(
+                [Issue(f"{len(points)} points are given", f"the shapes have {len(self.channels)} channels", "name one a channel")]
+            )
+        return MeasuredModes(substructure, self.frequencies, std, points=points, shapes=self.real_shapes, **options)
+
+
+def _channels_of(record, t):
+    """Times, samples by name, and units of a record in any of its forms."""
+    if isinstance(record, (str, Path, os.PathLike)):
+        from .records import read
+
+        record = read(record)
+    if t is None:
+        t = getattr(record, "t", None)
+    if t is None:
+        raise InvalidInput([Issue("t: no times are given", "the record does not hold them", "give t in seconds")])
+    if isinstance(record, Mapping) or hasattr(record, "keys"):
+        names = [str(name) for name in record.keys()]
+        return t, record, names, [getattr(record[name], "unit", None) or "" for name in record.keys()]
+    values = np.asarray(record, float)
+    count = values.shape[1] if values.ndim == 2 else 1
+    return t, values, [f"{i}" for i in range(1, count + 1)], [""] * count
+
+
+def modal(
+    record: Mapping[str, ArrayLike] | ArrayLike | str | Path,
+    t: ArrayLike | None = None,
+    *,
+    channels: Sequence[str] = (),
+    references: Sequence[str] = (),
+    band: tuple[float, float] | None = None,
+    block_rows: int = 0,
+    max_order: int = 0,
+    blocks: int = 100,
+    stabilisation: Mapping[str, float] | None = None,
+    threads: int = 0,
+    progress: Progress = True,
+) -> IdentifiedModes:
+    """Identify modes from responses to unknown excitation that is about white over the band.
+
+    Covariance-driven stochastic subspace identification over all model orders; standard deviations come from the
+    scatter of the correlations over blocks of the record, to first order. Poles that hold over the orders are modes.
+
+    Parameters
+    ----------
+    record : Record, dict of str to array, DataFrame, array of shape (samples, channels), or path of a measured file
+    t : array, shape (samples,), optional
+        Even times [s]; not needed where the record holds them.
+    channels : list of str
+        Responses to identify from; default: all of the record.
+    references : list of str
+        Channels that all are correlated with; default: all.
+    band : (float, float), optional
+        Modes are looked for between these frequencies [Hz]: filters and resamples.
+    block_rows : int
+        Of the Hankel matrix; 0: so many that its lags reach over a period of the lowest mode.
+    max_order : int
+        Largest order of the models; 0: four a channel, 30 to 100.
+    blocks : int
+        Parts of the record whose scatter gives the deviations.
+    stabilisation : dict of str to float, optional
+        Limits by name: ``frequency``, ``damping``, ``mac``, ``largest_damping``, ``frequency_std``, ``damping_std``,
+        ``least_share``, ``least_participation``; see `docs/modal.md`.
+
+    Returns
+    -------
+    IdentifiedModes
+
+    Raises
+    ------
+    InvalidInput
+        With everything that is wrong: fewer than two channels, missing samples, a dead channel, a record too short.
+
+    Examples
+    --------
+    >>> import numpy as np, kalfem as kf
+    >>> rng = np.random.default_rng(1)
+    >>> z, mu = 0j, 2 * np.pi * 5 * (-0.01 + 1j)
+    >>> y = np.array([(z := np.exp(mu / 50) * z + rng.normal()).real for _ in range(20000)])
+    >>> noise = rng.normal(size=(2, y.size))
+    >>> found = kf.modal({"a": y + noise[0], "b": -0.5 * y + noise[1]}, t=np.arange(y.size) / 50, progress=False)
+    >>> len(found), abs(found[0].frequency - 5) < 4 * found[0].frequency_std
+    (1, True)
+    """
+    t, y, names, units = _channels_of(record, t)
+    if channels and not isinstance(y, np.ndarray):
+        known = dict(zip(names, units))
+        for name in channels:
+            if name not in known:
+                raise unknown_name("channel", name, names)
+        names, units = list(channels), [known[name] for name in channels]
+        channels = ()
+    options = {
+        "channels": list(channels),
+        "references": list(references),
+        "band": band,
+        "block_rows": block_rows,
+        "max_order": max_order,
+        "blocks": blocks,
+        "stabilisation": dict(stabilisation or {}),
+        "threads": threads,
+    }
+    with reporter(progress) as bar:
+        found = core.modal(t, y, names, units, options, bar)
+    found["modes"] = [IdentifiedMode(**each) for each in found["modes"]]
+    return IdentifiedModes(**found)

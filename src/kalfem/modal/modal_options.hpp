@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kalfem/base/progress.hpp"
+#include "kalfem/records/spectrum.hpp"
+
+namespace kalfem {
+
+/// When poles of successive model orders count as the same mode, and when a mode is reported.
+struct StabilisationOptions {
+  double frequency = 0.01;         ///< largest difference of two orders, as a fraction of the frequency
+  double damping = 0.5;            ///< largest difference of two orders, as a fraction of the larger damping ratio
+  double mac = 0.8;                ///< least MAC of the shapes of two orders
+  double largest_damping = 0.2;    ///< ratio to critical; poles beyond count as spurious
+  double frequency_std = 0.02;     ///< largest standard deviation of a pole, as a fraction of its frequency
+  double damping_std = 0.5;        ///< largest standard deviation of a pole, as a fraction of its damping ratio
+  double least_share = 0.4;        ///< a mode stands in so many of the orders from its first one on
+  double least_participation = 0;  ///< of the channels' variance that a mode carries
+};
+
+/// How the modes of a record are identified.
+struct ModalOptions {
+  std::vector<std::string> channels = {};    ///< outputs; empty: all of the record
+  std::vector<std::string> references = {};  ///< channels that all are correlated with; empty: all outputs
+  std::optional<FrequencyBand> band = {};    ///< wanted modes [Hz]: filters and resamples the record
+  int block_rows = 0;  ///< of the Hankel matrix: lags up to 2 block_rows - 1; 0: a period of the lowest
+  int max_order = 0;   ///< largest order of the state-space models; 0: four a channel, from 30 to 100
+  int blocks = 100;    ///< parts of the record whose scatter gives the covariance of the correlations
+  StabilisationOptions stabilisation = {};
+  int threads = 0;  ///< 0: one per processor; results do not depend on it
+  Progress progress = {};
+};
+
+}  // namespace kalfem

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "kalfem/modal/modal_options.hpp"
+#include "kalfem/modal/state_space_poles.hpp"
+
+namespace kalfem {
+
+/// Poles of several orders that are the same mode.
+struct PoleTrack {
+  std::vector<const StatePole*> poles;  ///< at most one an order, ascending
+
+  /// The pole that stands for all, of the orders from `least_order` on (of all where it has none there): near the
+  /// median frequency and damping, with a typical standard deviation.
+  [[nodiscard]] const StatePole& representative(Eigen::Index least_order = 0) const;
+};
+
+/// The lowest order whose model may hold all modes: models of lower orders are biased, as their modes stand for
+/// several.
+Eigen::Index sufficient_order(const std::vector<PoleTrack>& tracks);
+
+/// Follows poles from order to order: poles of an order continue tracks whose last pole had about the same frequency,
+/// damping and shape, the nearest pairs first; others start a track. Poles with a damping or with deviations far beyond
+/// the limits are left out. A track is a mode where it holds in enough of the orders from its first one on, in at least
+/// four, and where the pole that stands for it and one more are within the limits; of two with the same frequency and
+/// shape the longer one stays. `by_order`: ascending orders. Tracks by frequency.
+std::vector<PoleTrack> stable_tracks(const std::vector<std::vector<StatePole>>& by_order,
+                                     const StabilisationOptions& limits);
+
+}  // namespace kalfem
