@@ -294,6 +294,8 @@ void add_modal(CLI::App& app, Arguments& arguments) {
   modal->add_option("--sample-rate", asked.sample_rate, "in Hz, where the file does not state it")->type_name("HZ");
   modal->add_option("--out", asked.folder, "write tables, JSON and a universal file into this folder")
       ->type_name("FOLDER");
+  modal->add_option("--page", asked.page, "write an HTML page with the stabilisation diagram to this file")
+      ->type_name("FILE");
   modal->add_flag("--json", arguments.json, "print modes, shapes and the stabilisation diagram as JSON");
 }
 

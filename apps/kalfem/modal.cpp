@@ -17,6 +17,7 @@ namespace kalfem::command {
 ExitCode modal(const ModalArguments& arguments) {
   const std::filesystem::path folder = arguments.folder;
   if (!folder.empty()) require_writable(folder / "modes.json");
+  if (!arguments.page.empty()) require_writable(arguments.page);
   const auto outputs = read_outputs(arguments.file, arguments.options.channels, arguments.sample_rate);
   ModalOptions options = arguments.options;
   options.channels.clear();  // they are all there is
@@ -26,6 +27,7 @@ ExitCode modal(const ModalArguments& arguments) {
     result.remarks.push_back(fmt::format("Forces are left out: {}.", fmt::join(outputs.left_out, ", ")));
   const std::string source = std::filesystem::path(arguments.file).filename().string();
   if (!folder.empty()) write_modal_files(folder, source, result, outputs.places);
+  if (!arguments.page.empty()) write_file_atomically(arguments.page, render_html(modal_page(source, result)));
   if (arguments.as_json)
     print("{}\n", modal_json(source, result).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   else

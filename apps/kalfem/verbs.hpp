@@ -122,6 +122,7 @@ struct ModalArguments {
   std::optional<double> sample_rate = {};  ///< [Hz], where the file does not state it
   std::vector<double> band = {};           ///< [Hz]: none, or two
   std::string folder;                      ///< of the results; empty: they are not written
+  std::string page;                        ///< HTML file to write; empty: none
   bool as_json = false;
 };
 /// modal: the modes of a record alone, with their standard deviations. Not usable where there is none.

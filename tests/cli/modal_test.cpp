@@ -49,6 +49,20 @@ TEST_F(ModalCommand, FindsTheModesAndWritesThem) {
   }
 }
 
+TEST_F(ModalCommand, ShowsTheStabilisationDiagramOnAPage) {
+  const auto page = folder / "page.html";
+  ASSERT_EQ(run_command("modal " + file + " --page " + page.string(), folder).code, 0);
+  const auto html = read(page);
+  EXPECT_NE(html.find("Stabilisation diagram"), std::string::npos);
+  const auto count = [&](const std::string& words) {
+    std::size_t found = 0;
+    for (auto at = html.find(words); at != std::string::npos; at = html.find(words, at + 1)) ++found;
+    return found;
+  };
+  EXPECT_EQ(count("<path class=\"line\""), 4u);  // a line at each mode
+  EXPECT_GE(count("<circle class=\"mode\""), 4u * 10u);
+}
+
 // The table of the modes and that of the shapes as an updating reads them: with all four modes, the springs come back.
 TEST_F(ModalCommand, WritesWhatUpdateReads) {
   ASSERT_EQ(run_command("modal " + file + " --out " + folder.path().string(), folder).code, 0);

@@ -16,6 +16,8 @@
 #include "kalfem/formats/universal/universal.hpp"
 #include "kalfem/page/json_number.hpp"
 #include "kalfem/page/words.hpp"
+#include "kalfem/pictures/heat_map.hpp"
+#include "kalfem/report/stabilisation_diagram.hpp"
 
 namespace kalfem {
 namespace {
@@ -171,6 +173,33 @@ std::string modal_text(const std::string& source, const ModalResult& result) {
     text += to_text(mode_table(result));
   for (const auto& remark : result.remarks) text += "\n" + remark + "\n";
   return text;
+}
+
+Page modal_page(const std::string& source, const ModalResult& result) {
+  Page page{.title = source,
+            .subtitle = "Modes identified from responses alone",
+            .summary = counted(std::ssize(result.modes), "mode") + " of " +
+                       counted(std::ssize(result.channels), "channel") + ".",
+            .warnings = result.remarks};
+  Section modes{.heading = "Modes", .text = "Standard deviations are of the record's finite length."};
+  modes.items.emplace_back(mode_table(result));
+  modes.items.emplace_back(Picture{.title = "Stabilisation diagram",
+                                   .caption = "Blue: poles of modes, with two standard deviations to each side; grey: "
+                                              "other poles of the models.",
+                                   .svg = stabilisation_svg(result)});
+  if (!result.modes.empty()) {
+    HeatMap shapes{.name = "Mode shapes",
+                   .values = real_shapes(result),
+                   .rows = result.channels,
+                   .column_title = "mode",
+                   .diverging = true};
+    for (std::size_t i = 1; i <= result.modes.size(); ++i) shapes.columns.push_back(std::to_string(i));
+    modes.items.emplace_back(Picture{.title = "Shapes",
+                                     .caption = "Real parts in the units of the channels; the largest entry is 1.",
+                                     .svg = heat_map_svg(shapes)});
+  }
+  page.sections.push_back(std::move(modes));
+  return page;
 }
 
 Json modal_json(const std::string& source, const ModalResult& result) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kalfem/modal/modal_result.hpp"
+#include "kalfem/page/page.hpp"
 #include "kalfem/records/measured_file.hpp"
 
 namespace kalfem {
@@ -16,6 +17,9 @@ std::string modal_text(const std::string& source, const ModalResult& result);
 
 /// The same for programs, with shapes, covariances and the stabilisation diagram.
 nlohmann::ordered_json modal_json(const std::string& source, const ModalResult& result);
+
+/// The same as a page, with the stabilisation diagram and the shapes.
+Page modal_page(const std::string& source, const ModalResult& result);
 
 /// Real shapes, channels x modes: each is turned to the phase at which its real part is largest; the largest entry
 /// is 1.
