@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "kalfem/base/invalid_input.hpp"
 #include "modal/modal_runs.hpp"
 
@@ -77,6 +79,22 @@ TEST(IdentifyModes, ScalesShapesToTheUnitsOfTheChannels) {
     const auto ratio = before.modes[i].shape[1] / before.modes[i].shape[0];
     EXPECT_LT(std::abs(after.modes[i].shape[1] - ratio / 1000.0), 1e-9);
   }
+}
+
+// A machine beside the structure: a sine has no damping, of which half would be less than its deviation.
+TEST(IdentifyModes, AreNotSteadyHarmonics) {
+  const auto structure = test::shear_frame(3, 20.0, 0.01);
+  auto record = test::ambient_record(structure, 64.0, 20000, 4);
+  const double size = 2.0 * rms(record.values.row(0).transpose());
+  for (Index k = 0; k < record.samples(); ++k) {
+    const double sine = std::sin(2.0 * M_PI * 7.0 * record.time(k));
+    for (Index row = 0; row < 3; ++row) record.values(row, k) += size * sine * (1.0 - 0.6 * static_cast<double>(row));
+  }
+  const auto found = identify_modes(record);
+  ASSERT_EQ(found.modes.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_NEAR(found.modes[i].frequency, structure.frequencies()[static_cast<Index>(i)],
+                4.0 * found.modes[i].frequency_std());
 }
 
 std::string complaint(const Record& record, const ModalOptions& options = {}) {
