@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include <fmt/format.h>
@@ -79,6 +80,7 @@ struct TrialPlan {
   std::size_t refined = 8;
   int most_steps = 10;
   std::size_t laws = most_laws, terms = most_terms;
+  std::size_t next_terms = 5;  ///< that are tried beside the best
   std::size_t finalists = 12;
   double raced = std::numeric_limits<double>::infinity();  ///< whole parts that each round before the last may take
 
@@ -212,16 +214,30 @@ private:
       std::size_t best = 0;
       for (std::size_t i = 0; i < left.size(); ++i)
         if (gain(first + i, given) > gain(first + best, given)) best = i;
-      if (left[best].searched()) refine(first + best);
+      if (left[best].searched()) refine(first + best, plan_.most_steps / 2);
       const double reached = gain(first + best, given);
       if (!(reached > before + std::max(significant, worth_telling * before))) break;
       before = reached;
       known.push_back({left[best], values_[first + best]});
-      for (std::size_t i = 0; i < left.size(); ++i)
-        if (left[i].searched() && values_[first + i] != 0.0) left[i].starts = {values_[first + i]};
-      left.erase(left.begin() + static_cast<std::ptrdiff_t>(best));
+      left = the_next(left, first, best, given);
     }
     settle_places(connector, known);
+  }
+
+  /// The forces that explained most after the best one, each with the number at which it did.
+  [[nodiscard]] std::vector<LawTerm> the_next(const std::vector<LawTerm>& terms, std::size_t first, std::size_t best,
+                                              const TrialScore& given) const {
+    std::vector<std::size_t> order;
+    for (std::size_t i = 0; i < terms.size(); ++i)
+      if (i != best) order.push_back(i);
+    std::ranges::stable_sort(order, std::greater{}, [&](std::size_t i) { return gain(first + i, given); });
+    if (order.size() > plan_.next_terms) order.resize(plan_.next_terms);
+    std::vector<LawTerm> next;
+    for (const std::size_t i : order) {
+      next.push_back(terms[i]);
+      if (next.back().searched() && values_[first + i] != 0.0) next.back().starts = {values_[first + i]};
+    }
+    return next;
   }
 
   /// The numbers of earlier forces again, beside those that came after them.
@@ -231,7 +247,7 @@ private:
       known[i].term.starts = {known[i].place};
       add(lacking_terms(input_, connector, known, i));
       try_starts(hypotheses_.size() - 1);
-      refine(hypotheses_.size() - 1);
+      refine(hypotheses_.size() - 1, plan_.most_steps / 2);
       known[i].place = values_.back();
     }
   }
@@ -299,7 +315,7 @@ private:
     for (const std::size_t h : order)
       if (hypotheses_[h].search != Search::none && chosen.size() < plan_.refined && gain(h, given) >= least)
         chosen.push_back(h);
-    for_each_index(chosen.size(), processors(), [&](std::size_t c) { refine(chosen[c]); });
+    for_each_index(chosen.size(), processors(), [&](std::size_t c) { refine(chosen[c], plan_.most_steps); });
   }
 
   static double moved(const Hypothesis& hypothesis, double value, double steps) {
@@ -308,10 +324,10 @@ private:
   }
 
   /// Walks uphill, twice as far after each success, and half as far, the other way, after each failure.
-  void refine(std::size_t h) {
+  void refine(std::size_t h, int most_steps) {
     const Hypothesis& hypothesis = hypotheses_[h];
     double steps = 1.0;
-    for (int i = 0; i < plan_.most_steps; ++i) {
+    for (int i = 0; i < most_steps; ++i) {
       if (hypothesis.search == Search::samples && std::abs(steps) < 1.0) break;
       const bool better = try_value(h, moved(hypothesis, values_[h], steps));
       const bool first_failure = !better && i == 0;

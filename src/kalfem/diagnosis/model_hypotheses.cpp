@@ -269,8 +269,7 @@ std::vector<Hypothesis> model_hypotheses(const DiagnosisInput& input, const std:
     if (has_other_guesses(unknowns[i])) found.push_back(wrong_first_guess(input, i));
   const auto& connectors = input.parts.connectors;
   for (std::size_t j = 0; j < connectors.size() && j < motion.size(); ++j)
-    if (motion[j].moves())
-      found.push_back(wrong_law(input, connectors[j], motion[j]));
+    if (motion[j].moves()) found.push_back(wrong_law(input, connectors[j], motion[j]));
   for (const auto& elements : input.problem->structure->finite_elements)
     if (elements.reduced) found.push_back(missing_modes(input, elements));
   return found;

@@ -13,7 +13,7 @@ struct FailureTrace {
   FilterOutcome outcome = FilterOutcome::usable;
   Eigen::Index sample = 0;                ///< at which the filter could not go on
   Eigen::Index computed = 0;              ///< samples that the result holds
-  std::optional<Eigen::Index> connector;  ///< whose force was not finite or did not converge
+  std::optional<Eigen::Index> connector;  ///< whose force was not finite
 };
 
 /// Names what most likely made the filter stop, from the samples before: an unknown that ran off from its prior by more

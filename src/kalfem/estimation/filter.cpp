@@ -34,7 +34,7 @@ std::string to_string(FilterOutcome outcome) {
     case FilterOutcome::usable:
       return "usable";
     case FilterOutcome::model_not_evaluable:
-      return "a connector force was not finite or did not converge at a sigma point";
+      return "a connector force was not finite at a sigma point";
     case FilterOutcome::linear_part_impossible:
       return "an unknown of the linear part reached a value that is physically impossible";
     case FilterOutcome::covariance_not_positive_definite:

@@ -17,7 +17,7 @@ namespace kalfem {
 /// Why a filter could not go on.
 enum class FilterOutcome {
   usable,
-  model_not_evaluable,               ///< a connector force was not finite or its solve did not converge
+  model_not_evaluable,               ///< a connector force was not finite
   linear_part_impossible,            ///< an unknown of the linear part has a value that makes no structure
   covariance_not_positive_definite,  ///< the state's covariance lost its sign
   innovation_not_positive_definite   ///< the innovation's covariance did, or is singular: a sensor without noise

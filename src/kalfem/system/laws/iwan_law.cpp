@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -21,7 +22,8 @@ struct IwanKernel {
   static constexpr bool has_branches = true;
 
   KernelOutput<state_count> operator()(const KernelInput<6, state_count>& in) const {
-    const auto [f_s, k_t, chi, beta, k, c] = in.p;
+    const auto [f_s, k_t, stated_chi, beta, k, c] = in.p;
+    const double chi = std::max(stated_chi, -0.99);  // no density has less, a sigma point may
     const double share = (chi + 1.0) / (chi + 2.0), macroslip = f_s * (1.0 + beta) / (k_t * (beta + share));
     const double of_power_law = k_t / (1.0 + beta);  // its stiffness at rest
     KernelOutput<state_count> out{
