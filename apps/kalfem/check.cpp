@@ -89,9 +89,16 @@ std::optional<RecordCheck> checked_record(const Study& study) {
   return check;
 }
 
+/// Unknowns of the estimation that its sensors cannot tell apart, or not at all.
+void print_indistinguishable(const Study& study) {
+  const auto found = told_by_sensors(study);
+  if (found && std::ranges::any_of(found->combinations, [](const auto& each) { return !each.determined; }))
+    print("Before the run, by simulations about the initial values: {}\n\n", found->text);
+}
+
 /// What the record can tell of the parameters that the case infers, before it is run.
 void print_identifiability(const Study& study) {
-  if (!study.inference) return;
+  if (!study.inference) return print_indistinguishable(study);
   const auto found = identifiability_before(study);
   if (found) print("Before the run, from the expected record: {}\n\n", found->text);
 }

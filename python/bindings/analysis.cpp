@@ -38,10 +38,18 @@ py::object second_thoughts_in_python(double factor) {
   return py::float_(factor);
 }
 
+py::dict known_to_in_python(const std::vector<KnownTo>& all) {
+  py::dict known_to;
+  for (const auto& known : all)
+    known_to[py::str(known.name)] =
+        known.relative ? py::object(py::str(shortest(100.0 * known.deviation) + " %")) : py::float_(known.deviation);
+  return known_to;
+}
+
 /// The options that are not the defaults, by the names of the arguments of kalfem.estimate.
 py::dict in_python(const EstimateOptions& options) {
   const EstimateOptions defaults;
-  py::dict all, unknown, state, connectors, known_to;
+  py::dict all, unknown, state, connectors;
   for (const auto& [name, prior] : options.unknowns) unknown[py::str(name)] = in_python(prior);
   for (const auto& [point, prior] : options.initial_state) {
     py::dict entry;
@@ -57,9 +65,6 @@ py::dict in_python(const EstimateOptions& options) {
     entry["std"] = prior.std;
     connectors[py::str(name)] = entry;
   }
-  for (const auto& known : options.known_to)
-    known_to[py::str(known.name)] =
-        known.relative ? py::object(py::str(shortest(100.0 * known.deviation) + " %")) : py::float_(known.deviation);
   const auto give = [&](const char* name, const auto& value, const auto& otherwise) {
     if (value != otherwise) all[name] = value;
   };
@@ -78,7 +83,8 @@ py::dict in_python(const EstimateOptions& options) {
   give("threads", options.threads, defaults.threads);
   give("diagnose", options.diagnose, defaults.diagnose);
   if (options.second_thoughts) all["second_thoughts"] = second_thoughts_in_python(*options.second_thoughts);
-  if (!known_to.empty()) all["known_to"] = known_to;
+  if (!options.known_to.empty()) all["known_to"] = known_to_in_python(options.known_to);
+  if (options.free != defaults.free) all["free"] = to_string(options.free);
   return all;
 }
 
@@ -123,6 +129,7 @@ py::dict in_python(const UpdateOptions& options) {
   all["compare"] = compare;
   if (options.max_evaluations != defaults.max_evaluations) all["max_evaluations"] = options.max_evaluations;
   if (options.tolerance != defaults.tolerance) all["tolerance"] = options.tolerance;
+  if (!options.known_to.empty()) all["known_to"] = known_to_in_python(options.known_to);
   return all;
 }
 

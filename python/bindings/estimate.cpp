@@ -59,6 +59,36 @@ py::dict sensitivity_summary(const EstimateResult& result) {
   return summary;
 }
 
+py::dict freed_summary(const EstimateResult& result, FreeNumbers how) {
+  py::list tried, moved;
+  for (const auto& each : result.number_trials) {
+    py::dict entry;
+    entry["name"] = each.name;
+    entry["unit"] = each.unit;
+    entry["held"] = number(each.held);
+    entry["prior_std"] = number(each.prior_std);
+    entry["value"] = number(each.value);
+    entry["std"] = number(each.std);
+    entry["predicted_gain"] = number(each.predicted_gain);
+    entry["kept"] = each.kept;
+    tried.append(entry);
+  }
+  for (const auto& each : result.moved_by_freed) {
+    py::dict entry;
+    entry["parameter"] = each.parameter;
+    entry["unit"] = each.unit;
+    entry["before"] = number(each.before);
+    entry["after"] = number(each.after);
+    entry["deviations"] = number(each.deviations);
+    moved.append(entry);
+  }
+  py::dict summary;
+  summary["how"] = to_string(how);
+  summary["tried"] = tried;
+  summary["moved"] = moved;
+  return summary;
+}
+
 py::dict estimation_summary(const EstimateResult& result) {
   py::dict nis, estimation;
   nis["mean"] = number(result.mean_nis(static_cast<double>(result.settled) / result.sample_rate));
@@ -83,6 +113,7 @@ py::dict summary_of(const EstimateResult& result, const EstimateOptions& options
   summary["parameters"] = parameters_summary(result, options);
   summary["estimation"] = estimation_summary(result);
   if (!result.fixed_numbers.empty()) summary["sensitivity"] = sensitivity_summary(result);
+  if (!result.number_trials.empty()) summary["freed"] = freed_summary(result, options.free);
   return summary;
 }
 

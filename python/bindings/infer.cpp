@@ -117,6 +117,7 @@ InferOptions infer_options(const Structure& structure, const py::dict& arguments
           .initial_state_from_record = filter.initial_state_from_record,
           .process_noise = filter.process_noise,
           .filter = filter.filter,
+          .known_to = filter.known_to,
           .substeps = filter.substeps,
           .threads = filter.threads};
 }

@@ -164,7 +164,14 @@ std::optional<double> second_thoughts_of(const py::handle& given) {
   throw InvalidInput("second_thoughts: '" + word + "' is not known", "", "give none, full or a number");
 }
 
-/// Percentages are relative, all else is in the number's unit: a text with a unit, or SI.
+FreeNumbers free_of(const std::string& word) {
+  for (const auto free : {FreeNumbers::none, FreeNumbers::ask, FreeNumbers::automatic})
+    if (word == to_string(free)) return free;
+  throw InvalidInput("free: '" + word + "' is not known", "", "give none, ask or auto");
+}
+
+}  // namespace
+
 std::vector<KnownTo> known_to_of(const py::dict& given) {
   std::vector<KnownTo> all;
   for (const auto& [key, value] : given) {
@@ -176,8 +183,6 @@ std::vector<KnownTo> known_to_of(const py::dict& given) {
   }
   return all;
 }
-
-}  // namespace
 
 EstimateOptions options_of(const Structure& structure, const py::dict& arguments) {
   EstimateOptions options;
@@ -201,6 +206,7 @@ EstimateOptions options_of(const Structure& structure, const py::dict& arguments
   take("settle", options.settle);
   take("diagnose", options.diagnose);
   if (arguments.contains("known_to")) options.known_to = known_to_of(arguments["known_to"]);
+  if (arguments.contains("free")) options.free = free_of(cast_of<std::string>(arguments["free"], "free"));
   if (arguments.contains("second_thoughts")) options.second_thoughts = second_thoughts_of(arguments["second_thoughts"]);
   return options;
 }

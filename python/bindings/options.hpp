@@ -9,6 +9,9 @@ namespace kalfem::python {
 /// argument that does not fit, by its name.
 EstimateOptions options_of(const Structure& structure, const py::dict& arguments);
 
+/// {"masses": "1 %", "a1.delay": 2e-4}: percentages are relative, all else is in the number's unit.
+std::vector<KnownTo> known_to_of(const py::dict& given);
+
 /// The same of an updating. Records give their inputs to the structure.
 UpdateOptions update_options_of(Structure& structure, const py::dict& arguments);
 

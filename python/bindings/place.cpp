@@ -69,6 +69,7 @@ py::dict place_sensors(const Structure& structure, const py::object& t, const py
       .parameters = choice["parameters"].cast<std::vector<std::string>>(),
       .duration = static_cast<double>(grid.samples - 1) / grid.sample_rate,
       .sample_rate = grid.sample_rate,
+      .known_to = estimate.known_to,
       .process_noise = estimate.process_noise,
       .criterion = choice_of<PlacementCriterion>("criterion", choice["criterion"],
                                                  {{"d_optimality", PlacementCriterion::d_optimality},

@@ -211,6 +211,28 @@ std::vector<UpdateComparison> comparisons_of(const py::dict& given, Structure& s
   return all;
 }
 
+/// As `kalfem run` writes it.
+py::list considered_of(const UpdateResult& result) {
+  py::list all;
+  for (const auto& each : result.stated_numbers) {
+    py::dict entry, shift, adds;
+    for (std::size_t j = 0; j < each.shift.size(); ++j) {
+      shift[py::str(result.parameters[j].name)] = number(each.shift[j]);
+      adds[py::str(result.parameters[j].name)] = number(each.considered[j]);
+    }
+    entry["name"] = each.name;
+    entry["group"] = each.group;
+    entry["unit"] = each.unit;
+    entry["value"] = number(each.value);
+    entry["known_to"] = number(each.known_to);
+    entry["allowed_change"] = number(each.allowed);
+    entry["shift"] = shift;
+    entry["adds"] = adds;
+    all.append(entry);
+  }
+  return all;
+}
+
 py::dict summary_of(const UpdateResult& result) {
   py::dict summary, parameters, updating;
   for (const auto& each : result.parameters) {
@@ -219,6 +241,7 @@ py::dict summary_of(const UpdateResult& result) {
     entry["estimate"] = number(each.value);
     entry["std"] = number(each.std);
     entry["std_robust"] = number(each.std_robust);
+    if (std::isfinite(each.std_considered)) entry["std_considered"] = each.std_considered;
     entry["interval_95"] = py::make_tuple(number(each.interval_95.lower), number(each.interval_95.upper));
     entry["unit"] = each.unit;
     parameters[py::str(each.name)] = entry;
@@ -236,6 +259,7 @@ py::dict summary_of(const UpdateResult& result) {
     comparisons[py::str(name)] = entry;
   }
   updating["comparisons"] = comparisons;
+  if (!result.stated_numbers.empty()) updating["considered"] = considered_of(result);
   summary["title"] = "update";
   summary["status"] = result.usable() ? "ok" : "unusable";
   summary["message"] = result.usable() || reasons.empty() ? "" : sentence_of(reasons.front());
@@ -271,6 +295,7 @@ UpdateOptions update_options_of(Structure& structure, const py::dict& arguments)
           .above = cast_of<double>(arguments["above"], "above"),
           .comparisons = comparisons_of(arguments["compare"], structure),
           .max_evaluations = cast_of<int>(arguments["max_evaluations"], "max_evaluations"),
+          .known_to = known_to_of(arguments["known_to"]),
           .tolerance = cast_of<double>(arguments["tolerance"], "tolerance")};
 }
 

@@ -48,6 +48,7 @@ def estimate(
     diagnose: bool = True,
     second_thoughts: float | str | None = None,
     known_to: Mapping[str, float | str] | None = None,
+    free: str = "ask",
     progress: Progress = True,
 ) -> Run:
     """Estimate states and unknown parameters of a structure from a record.
@@ -107,6 +108,10 @@ def estimate(
         percentage, or a number in its unit: ``{"masses": "1 %", "body.3.mass": "0.5 %", "a1.delay": 2e-4}``. By group
         (``masses``, ``stiffnesses``, ``damping``, ``laws``, ``gains``, ``excitations``, ``delays``), by owner or by
         name; the longest name counts. Without it they are taken as exact; ``run.sensitivity`` says what that matters.
+    free : str
+        Fixed numbers that the record asks to change: ``none`` says nothing of estimating them, ``ask`` tries them as
+        unknowns and says in ``run.freed`` which predict the last third of the record better, ``auto`` takes these as
+        unknowns: they are among ``run.parameters``.
     progress : bool or callable
         Show a bar, or call a function with the fraction done and words.
 
@@ -155,6 +160,7 @@ def estimate(
         diagnose=diagnose,
         second_thoughts=second_thoughts,
         known_to=known_to,
+        free=free,
     )
     with reporter(progress) as bar:
         summary, datasets = core.estimate(structure, t, y, dict(inputs or {}), arguments, bar)
@@ -186,6 +192,7 @@ def _update_arguments(given):
     all_of_them["parameters"] = dict(parameters) if isinstance(parameters, Mapping) else list(parameters)
     all_of_them["modes"] = None if modes is None else list(modes)
     all_of_them["std"] = float(std) if np.ndim(std) == 0 else std
+    all_of_them["known_to"] = dict(all_of_them["known_to"] or {})
     all_of_them["compare"] = described(all_of_them["compare"] or {})
     return all_of_them
 
@@ -342,6 +349,7 @@ def update(
     above: float = 0.0,
     max_evaluations: int = 100,
     tolerance: float = 1e-6,
+    known_to: Mapping[str, float | str] | None = None,
     progress: Progress = True,
 ) -> Run:
     """Refine parameters of linear substructures by what was measured.
@@ -368,6 +376,10 @@ def update(
         Of the model.
     tolerance : float
         The search ends once a step changes every parameter by less than this, relative.
+    known_to : dict of str to float or str
+        Standard deviations of numbers that are not refined; intervals then hold what follows from them. As in
+        :func:`estimate`; gains are those of what is compared: ``tip.z.gain`` of a response, ``input.tip.z.gain`` of its
+        force, ``a1.gain`` of a record's sensor, ``road.gain`` of an excitation.
 
     Returns
     -------
@@ -399,6 +411,7 @@ def update(
             above=above,
             max_evaluations=max_evaluations,
             tolerance=tolerance,
+            known_to=known_to,
         )
     )
     with reporter(progress) as bar:

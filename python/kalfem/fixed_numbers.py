@@ -30,6 +30,46 @@ class FixedNumber:
         return f"{self.name} = {self.value:.6g}{unit}{asked}{spread}"
 
 
+@dataclass(frozen=True)
+class NumberTrial:
+    """A number that was held fixed, tried as an unknown."""
+
+    name: str  #: of the unknown, ``frame.3.mass`` or ``sensors.a3.gain``
+    unit: str
+    held: float  #: the value at which it was held fixed
+    prior_std: float  #: of the unknown
+    value: float | None  #: found
+    std: float | None
+    predicted_gain: float | None  #: rise of the log-likelihood of the last third of the record, from what is before
+    kept: bool  #: it predicts that third better by far
+
+
+@dataclass(frozen=True)
+class Move:
+    """An estimate before and after numbers were freed."""
+
+    parameter: str
+    unit: str
+    before: float
+    after: float
+    deviations: float  #: of the move, in those of the interval before
+
+
+@dataclass(frozen=True)
+class Freed:
+    """What became of fixed numbers that the record asks to change."""
+
+    how: str  #: ``none``, ``ask`` or ``auto``
+    tried: list[NumberTrial]
+    moved: list[Move]  #: by those kept
+
+    @classmethod
+    def from_summary(cls, summary: dict) -> Freed:
+        """Of the object ``freed`` of summary.json."""
+        tried = [NumberTrial(**entry) for entry in summary.get("tried", [])]
+        return cls(summary.get("how", "none"), tried, [Move(**entry) for entry in summary.get("moved", [])])
+
+
 class FixedNumbers(Mapping[str, FixedNumber]):
     """Fixed numbers by name: ``run.sensitivity["frame.3.mass"].shift["mount.k"]``."""
 

@@ -43,6 +43,7 @@ def infer(
     initial_state_from_record: bool = False,
     process_noise: float | str = 0.0,
     substeps: int | None = None,
+    known_to: Mapping[str, float | str] | None = None,
     threads: int = 0,
     progress: Progress = True,
 ) -> Posterior:
@@ -71,6 +72,8 @@ def infer(
         Parameters whose profile likelihood is computed, about 20 searches each.
     predictions : int
         Draws whose response is simulated, for 95 % bands of the sensors; 0 for none.
+    known_to : dict of str to float or str
+        Standard deviations of numbers that are held fixed, as in :func:`estimate`: the posterior integrates them out.
 
     Returns
     -------
@@ -106,6 +109,7 @@ def infer(
         "process_noise": process_noise,
         "threads": threads,
         "substeps": substeps,
+        "known_to": dict(known_to or {}),
     }
     question = {
         "priors": _plain(priors or {}),

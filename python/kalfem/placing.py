@@ -52,6 +52,7 @@ def place(
     keep: Sequence[str] = (),
     parameters: Sequence[str] = (),
     inputs: Mapping[str, ArrayLike] | None = None,
+    known_to: Mapping[str, float | str] | None = None,
     process_noise: float | str = 0.0,
     criterion: str = "d_optimality",
     draws: int = 1,
@@ -78,6 +79,9 @@ def place(
         Unknowns that shall be known well; all if none is given. The others are unknown beside them.
     inputs : dict of str to array of shape (n,)
         Samples of the structure's inputs that have none yet.
+    known_to : dict of str to float or str
+        Standard deviations of numbers of the structure that are held fixed, as in :func:`estimate`: they are unknown
+        beside the others. Gains and delays are taken as exact.
     process_noise : float or str
         Of the filter that checks sets [m/s^2/sqrt(Hz)].
     criterion : str
@@ -110,6 +114,7 @@ def place(
         "filter": "auto",
         "initial_state": {},
         "process_noise": process_noise,
+        "known_to": dict(known_to or {}),
         "threads": threads,
     }
     choice = {

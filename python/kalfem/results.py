@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from .display import run_html
 from .errors import InvalidInput, Issue, unknown_name
-from .fixed_numbers import FixedNumbers
+from .fixed_numbers import FixedNumbers, Freed
 from .parameters import Parameter, Parameters, Verdict
 from .residuals import Residuals
 from .series import TimeSeries
@@ -110,6 +110,11 @@ class Run:
     def sensitivity(self) -> FixedNumbers:
         """Numbers that the estimation held fixed, and how much they matter: see :class:`FixedNumber`."""
         return FixedNumbers(self.summary.get("sensitivity", {"numbers": []}))
+
+    @property
+    def freed(self) -> Freed:
+        """Fixed numbers that the record asks to change, tried as unknowns: see :class:`Freed`."""
+        return Freed.from_summary(self.summary.get("freed", {}))
 
     @property
     def residuals(self) -> Residuals:

@@ -43,6 +43,42 @@ TEST(FiniteElementParts, CarryConnectorsAndUnknowns) {
   EXPECT_LT(result.parameters[1].std, 1e-3 * 210e9);
 }
 
+/// Beside an unknown modulus the density and the damping are varied too: a beam 1 % heavier than stated is told, and
+/// the modulus follows the density as in whole estimations beside it.
+TEST(FiniteElementParts, AreVariedBesideTheirUnknowns) {
+  const auto beam = [](double density) {
+    Structure s;
+    s.add(cantilever().modal_damping({0.01}, 500.0).reduce({.modes = {.count = 4}}));
+    Eigen::VectorXd push(501);
+    for (Eigen::Index k = 0; k < push.size(); ++k) push[k] = 5.0 * std::sin(0.1 * static_cast<double>(k));
+    s.force("push", "beam.tip.z", {push, 500.0});
+    return s.at({{"beam.steel.density", density * s.value("beam.steel.density")}});
+  };
+  const std::vector<SensorDescription> sensors = {{"tip", acceleration("beam.tip.z"), 0.05}};
+  const auto record =
+      simulate(beam(1.01), {.sensors = sensors, .duration = 0.6, .sample_rate = 500.0, .seed = 1}).record;
+  const auto estimated = [&](double density, bool diagnose) {
+    return estimate(beam(density), record,
+                    {.sensors = sensors,
+                     .unknowns = {{"beam.steel.youngs_modulus", {.initial = 205e9, .std = 15e9}}},
+                     .substeps = 2,
+                     .diagnose = diagnose,
+                     .free = FreeNumbers::none});
+  };
+  const auto found = estimated(1.0, true);
+  const auto number = [&](const std::string& name) {
+    return std::ranges::find(found.fixed_numbers, name, &FixedNumberEffect::name);
+  };
+  const auto density = number("beam.steel.density");
+  ASSERT_NE(density, found.fixed_numbers.end());
+  EXPECT_NE(number("beam.damping.modal.1"), found.fixed_numbers.end());
+  EXPECT_NEAR(density->asked, 0.01, 0.004);  // four modes of it ask for a part
+  constexpr double h = 2e-3;
+  const auto modulus = [&](double factor) { return estimated(factor, false).parameters[0].mean; };
+  const double shift = (modulus(1.0 + h) - modulus(1.0 - h)) / (2.0 * h);
+  EXPECT_NEAR(density->shift[0], shift, 0.05 * std::abs(shift));
+}
+
 /// Without mass at its rotations a beam would stand as if these were held, 20 times too stiff.
 TEST(FiniteElementParts, AreNotSimulatedWithoutMass) {
   const auto pushed = [](MassKind kind) {

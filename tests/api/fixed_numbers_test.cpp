@@ -131,6 +131,71 @@ TEST(FixedNumbers, TheLongestNameCounts) {
   EXPECT_DOUBLE_EQ(effect(result, "a1.delay").known_to, 1e-4);
 }
 
+EstimateResult freed(const Record& record, FreeNumbers free, std::optional<double> second_thoughts = {}) {
+  EstimateOptions o = options();
+  o.free = free;
+  o.second_thoughts = second_thoughts;
+  return estimate(chain_of_three(1.0), record, o);
+}
+
+/// A mass 5 % heavier than stated: estimated along, the unknowns are where they belong.
+TEST(FreedNumbers, AreUnknownsWhereTheyPredictBetter) {
+  const Record record = record_of({.mass = 1.05}, 7);
+  const auto fixed = freed(record, FreeNumbers::none), found = freed(record, FreeNumbers::automatic);
+  EXPECT_TRUE(fixed.number_trials.empty());
+  ASSERT_FALSE(found.number_trials.empty());
+  const auto& trial = found.number_trials.front();
+  EXPECT_EQ(trial.name, "s.2.mass");
+  EXPECT_TRUE(trial.kept);
+  EXPECT_GT(trial.predicted_gain, 3.0);
+  const auto& mass = found.parameter("s.2.mass");
+  EXPECT_NEAR(mass.mean, 1.05, 3.5 * mass.std);
+  EXPECT_EQ(found.verdict.state(), VerdictState::consistent);
+  const double truth[] = {4e6, 1.5e3};
+  double furthest = 0.0;
+  for (std::size_t j = 0; j < 2; ++j) {
+    EXPECT_NEAR(found.parameters[j].mean, truth[j], 3.5 * found.parameters[j].std) << found.parameters[j].name;
+    furthest = std::max(furthest, std::abs(fixed.parameters[j].mean - truth[j]) / fixed.parameters[j].std);
+    EXPECT_EQ(found.moved_by_freed[j].parameter, found.parameters[j].name);
+    EXPECT_NEAR(found.moved_by_freed[j].before, fixed.parameters[j].mean, 1e-9 * truth[j]);
+    EXPECT_EQ(found.moved_by_freed[j].after, found.parameters[j].mean);
+  }
+  EXPECT_GT(furthest, 5.0);  // with the mass as stated
+}
+
+TEST(FreedNumbers, AreProposedAndNotTaken) {
+  const Record record = record_of({.mass = 1.05}, 7);
+  const auto asked = freed(record, FreeNumbers::ask), fixed = freed(record, FreeNumbers::none);
+  ASSERT_EQ(asked.parameters.size(), 2U);
+  EXPECT_EQ(asked.parameters[0].mean, fixed.parameters[0].mean);
+  EXPECT_TRUE(asked.number_trials.front().kept);
+  EXPECT_FALSE(asked.moved_by_freed.empty());
+  EXPECT_THAT(asked.verdict.reasons().front().remedy, HasSubstr("estimate it: add 's.2.mass'"));
+  EXPECT_THAT(fixed.verdict.reasons().front().remedy, testing::Not(HasSubstr("estimate.unknown")));
+}
+
+TEST(FreedNumbers, HoldGainsOfSensors) {
+  const auto found = freed(record_of({.gain = 1.03}, 8), FreeNumbers::automatic);
+  ASSERT_FALSE(found.number_trials.empty());
+  EXPECT_EQ(found.number_trials.front().name, "sensors.a3.gain");
+  const auto& gain = found.parameter("sensors.a3.gain");
+  EXPECT_NEAR(gain.mean, 1.03, 3.5 * gain.std);
+  for (const auto& reason : found.verdict.reasons()) EXPECT_NE(reason.code, "fixed_parameter") << reason.text;
+}
+
+TEST(FreedNumbers, AreNoneOfARightModel) {
+  for (std::uint64_t seed = 11; seed < 15; ++seed)
+    EXPECT_TRUE(freed(record_of({}, seed), FreeNumbers::automatic).number_trials.empty());
+}
+
+/// The trial takes two passes, the freed estimate one: within six there is no room for it behind the study.
+TEST(FreedNumbers, KeepToWhatMayFollow) {
+  const auto found = freed(record_of({.mass = 1.05}, 7), FreeNumbers::automatic, 3.0);
+  EXPECT_TRUE(found.moved_by_freed.empty());
+  EXPECT_EQ(found.parameters.size(), 2U);
+  EXPECT_THAT(found.left_out, testing::Contains(HasSubstr("as unknowns")));
+}
+
 TEST(FixedNumbers, RefusesWhatCannotBeStated) {
   const Record record = record_of({}, 5);
   const std::vector<KnownTo> stated{

@@ -229,6 +229,70 @@ TEST(Infer, IntegratesOutWhatIsNotAskedFor) {
 }
 
 /// Three dampings that are stated: their probabilities by quadrature over the stiffness that is not known.
+/// Of the stiffness, with the mass integrated out: by quadrature over both, without the library. The mass has a
+/// log-normal prior about 2 kg, the stiffness a normal one.
+Moments with_uncertain_mass(double of_mass, double initial, double std) {
+  double weights = 0.0, first = 0.0, second = 0.0, reference = 0.0;
+  for (int i = -60; i <= 60; ++i)
+    for (int j = -60; j <= 60; ++j) {
+      const double u = 4.0 * of_mass * i / 60.0, m = mass * std::exp(u), k = m * 400.0 * (1.0 + 0.03 * j / 60.0);
+      const double delta = 0.5 * damping / m, w = std::sqrt(k / m - delta * delta);
+      double log = -0.5 * std::pow(u / of_mass, 2) - 0.5 * std::pow((k - initial) / std, 2) + u;  // dk = m d(k/m)
+      for (Index n = 0; n < samples; ++n) {
+        const double t = static_cast<double>(n) / rate;
+        const double x = release * std::exp(-delta * t) * (std::cos(w * t) + delta / w * std::sin(w * t));
+        log -= 0.5 * std::pow((record_of_release().values(0, n) - x) / noise, 2);
+      }
+      if (weights == 0.0) reference = log;
+      const double weight = std::exp(log - reference - 100.0);
+      weights += weight;
+      first += weight * k;
+      second += weight * k * k;
+    }
+  const double mean = first / weights;
+  return {mean, std::sqrt(second / weights - mean * mean)};
+}
+
+/// k / m is what the record tells, and the decay something of m.
+TEST(Infer, IntegratesOutStatedNumbers) {
+  InferOptions options = question();
+  options.unknowns[0].prior = {.initial = 780.0, .std = 200.0, .transform = ParameterTransform{}};
+  const auto expected = with_uncertain_mass(0.05, 780.0, 200.0);
+  const double exact = infer(one_mass(), record_of_release(), options).parameters[0].std;
+  options.known_to = {{.name = "body.m.mass", .deviation = 0.05}};
+  const auto found = infer(one_mass(), record_of_release(), options);
+  ASSERT_EQ(found.parameters.size(), 1U);
+  EXPECT_EQ(found.samples.rows(), 1);
+  EXPECT_LT(exact, 0.01 * 800.0);
+  EXPECT_NEAR(found.parameters[0].std, expected.std, 0.1 * expected.std);  // 2000 samples leave 2 %
+  EXPECT_NEAR(found.parameters[0].mean, expected.mean, 0.15 * expected.std);
+}
+
+/// A gain of the sensor is no state: it is sampled along, and not among the parameters. The release is known exactly,
+/// so that the amplitude tells the gain, and the stiffness owes it nothing.
+TEST(Infer, IntegratesOutStatedGains) {
+  InferOptions options = question();
+  const auto exact = infer(one_mass(), record_of_release(), options).parameters[0];
+  options.known_to = {{.name = "x.gain", .deviation = 0.02}};
+  const auto found = infer(one_mass(), record_of_release(), options);
+  ASSERT_EQ(found.parameters.size(), 1U);
+  EXPECT_EQ(found.samples.rows(), 1);
+  EXPECT_NEAR(found.parameters[0].mean, exact.mean, exact.std);
+  EXPECT_NEAR(found.parameters[0].std, exact.std, 0.2 * exact.std);
+}
+
+TEST(Infer, RefusesStatedNumbersThatItCannotIntegrateOut) {
+  InferOptions options = question();
+  options.known_to = {{.name = "body.q.mass", .deviation = 0.05}, {.name = "body.k.stiffness", .deviation = 0.05}};
+  const auto message = refusal_of([&] { infer(one_mass(), record_of_release(), options); });
+  EXPECT_THAT(message, HasSubstr("known_to.body.q.mass: no fixed number has this name"));
+  EXPECT_THAT(message, HasSubstr("known_to.body.k.stiffness: it is estimated"));
+  options.known_to = {{.name = "gains", .deviation = 0.02}};
+  options.method = PosteriorMethod::filter;
+  EXPECT_THAT(refusal_of([&] { infer(one_mass(), record_of_release(), options); }),
+              HasSubstr("known_to: it states how well 'sensors.x.gain' is known"));
+}
+
 TEST(CompareStructures, HasTheProbabilitiesOfQuadrature) {
   const std::vector<double> dashpots{3.4, 4.0, 4.8};
   std::vector<CandidateStructure> candidates;

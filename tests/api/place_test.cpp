@@ -53,6 +53,26 @@ TEST(PlaceSensors, KnowsWellWhatItIsAskedFor) {
   for (std::size_t i = 1; i < found.best.size(); ++i) EXPECT_GE(found.best[i].std[0], found.best[0].std[0]);
 }
 
+/// A neighbouring stiffness that is known to 5 % only leaves more in the one that is asked for, as an unknown with that
+/// prior does.
+TEST(PlaceSensors, HoldsWhatIsKnownOfFixedNumbers) {
+  PlaceOptions options = chain_question();
+  options.unknowns = {{"body.3-4.stiffness", {.initial = 3e4, .std = 5e3, .transform = ParameterTransform{}}}};
+  options.count = 1;
+  const auto exact = place(driven_chain(), options);
+  options.known_to = {{.name = "body.2-3.stiffness", .deviation = 0.05}};
+  const auto stated = place(driven_chain(), options);
+  EXPECT_THAT(stated.parameters, ElementsAre("body.3-4.stiffness"));
+  options.known_to.clear();
+  options.unknowns.push_back(
+      {"body.2-3.stiffness", {.std = 0.05 * 3e4, .transform = ParameterTransform(TransformKind::log)}});
+  options.parameters = {"body.3-4.stiffness"};
+  const auto unknown = place(driven_chain(), options);
+  EXPECT_EQ(stated.best[0].sensors, unknown.best[0].sensors);
+  EXPECT_NEAR(stated.best[0].std[0], unknown.best[0].std[0], 1e-6 * unknown.best[0].std[0]);
+  EXPECT_GT(stated.best[0].std[0], exact.best[0].std[0]);
+}
+
 TEST(PlaceSensors, RefusesWrongArgumentsByTheirPlace) {
   PlaceOptions options = chain_question();
   options.keep = {"a9"};

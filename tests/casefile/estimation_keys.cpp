@@ -392,6 +392,16 @@ void what_is_known_of_fixed_numbers() {
   near(known[2].deviation, 2e-4);
 }
 
+void what_becomes_of_numbers_that_a_record_asks_to_change() {
+  const auto free = [](const std::string& text) {
+    return with_estimate(stiffness_unknown + text).problem->settings.free;
+  };
+  EXPECT_EQ(free(""), FreeNumbers::ask);
+  EXPECT_EQ(free(", free: ask"), FreeNumbers::ask);
+  EXPECT_EQ(free(", free: none"), FreeNumbers::none);
+  EXPECT_EQ(free(", free: auto"), FreeNumbers::automatic);
+}
+
 void outliers() {
   const auto treatment = [](const std::string& text) {
     return with_estimate(stiffness_unknown + text).problem->settings.outliers;
@@ -499,6 +509,7 @@ KeyChecks estimation_keys() {
   add(at, {"diagnose"}, diagnosis);
   add(at, {"second_thoughts"}, what_may_follow_the_first_answer);
   add(at, {"known_to"}, what_is_known_of_fixed_numbers);
+  add(at, {"free"}, what_becomes_of_numbers_that_a_record_asks_to_change);
   add("predict.", {"substructure"}, predictions);
   add("predict.", {"substeps"}, prediction_steps);
   return keys;

@@ -563,6 +563,14 @@ void sensitivity_checks() {
   EXPECT_TRUE(search("").sensitivities.empty());
 }
 
+void what_is_known_of_fixed_numbers() {
+  EXPECT_FALSE(search("").considered);
+  const auto found = search(", known_to: {masses: 1 %}");
+  ASSERT_TRUE(found.considered);
+  EXPECT_GT(found.considered->deviations.minCoeff(), 0.0);
+  EXPECT_GT(found.statistics.considered.minCoeff(), 0.0);
+}
+
 // --- modifications ---------------------------------------------------------------------------------------------------
 
 void modifications() {
@@ -616,6 +624,7 @@ KeyChecks updating_keys() {
   add(at, {"starts", "seed"}, many_starts);
   add(at, {"method", "evolution.generations", "evolution.population", "evolution.seed"}, evolutions);
   add(at, {"check_sensitivities"}, sensitivity_checks);
+  add(at, {"known_to"}, what_is_known_of_fixed_numbers);
   add("modifications.*.", {"substructure", "set", "modes", "above"}, modifications);
   return keys;
 }

@@ -116,6 +116,7 @@ private:
     estimate.threads = options_.threads;
     estimate.diagnose = options_.diagnose;
     estimate.second_thoughts = options_.second_thoughts;
+    estimate.free = options_.free;
     for (const auto& known : options_.known_to)
       estimate.known_to.push_back({known.name, {{known.deviation, {}, !known.relative, known.relative}, {}, {}}});
   }

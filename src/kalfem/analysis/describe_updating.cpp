@@ -74,6 +74,8 @@ void describe_updating(const UpdateOptions& options, CaseInMaking& making) {
   auto& update = making.given.update.emplace();
   update.stages = options.max_evaluations;
   update.tolerance = options.tolerance;
+  for (const auto& known : options.known_to)
+    update.known_to.push_back({known.name, {{known.deviation, {}, !known.relative, known.relative}, {}, {}}});
   for (const auto& parameter : options.parameters)
     update.parameters.push_back({parameter.name, {described(parameter, making), {}, {}}});
   const auto add = [&](const std::string& name, const MeasuredModes& modes, double weight) {

@@ -94,7 +94,8 @@ EstimateOptions options_of(const Study& study, const Record& record) {
           .deviation_stride = samples_between_deviations(study.sample_rate()),
           .diagnose = settings.diagnose,
           .second_thoughts = study.description->estimate->second_thoughts,
-          .known_to = settings.known_to};
+          .known_to = settings.known_to,
+          .free = settings.free};
 }
 
 }  // namespace

@@ -19,7 +19,10 @@ MeasuredModes modes_of(const description::ModalData& given) {
 
 UpdateOptions update_options_of(const Study& study) {
   const auto& given = *study.description->update;
-  UpdateOptions options{.parameters = {}, .max_evaluations = given.stages, .tolerance = given.tolerance};
+  UpdateOptions options{.parameters = {},
+                        .max_evaluations = given.stages,
+                        .known_to = study.updating_plan->known_to,
+                        .tolerance = given.tolerance};
   for (const auto& parameter : study.updating->parameters) {
     RefinedParameter refined{
         .name = parameter.name,

@@ -10,6 +10,7 @@
 #include "kalfem/diagnosis/judge_estimation.hpp"
 #include "kalfem/diagnosis/look_for_cause.hpp"
 #include "kalfem/identification/fixed_number_study.hpp"
+#include "kalfem/identification/freed_numbers.hpp"
 #include "kalfem/identification/record_estimate.hpp"
 #include "kalfem/identification/stated_interval.hpp"
 
@@ -77,6 +78,20 @@ std::vector<FixedNumberEffect> effects_of(const FixedNumberStudy& study) {
                        .considered = column(study.considered)});
   }
   return effects;
+}
+
+void set_freed(const FreedNumbers& freed, EstimateResult& estimate) {
+  for (const auto& tried : freed.tried)
+    estimate.number_trials.push_back({.name = tried.name,
+                                      .unit = tried.number.unit,
+                                      .held = tried.number.value,
+                                      .prior_std = tried.prior,
+                                      .value = tried.value,
+                                      .std = tried.deviation,
+                                      .predicted_gain = tried.predicted,
+                                      .kept = tried.kept});
+  for (const auto& [name, unit, before, after, deviations] : freed.moved)
+    estimate.moved_by_freed.push_back({name, unit, before, after, deviations});
 }
 
 std::vector<NormalisedInnovations> innovations_by_sensor(const RecordEstimate& estimated) {
@@ -159,6 +174,7 @@ EstimateResult estimate(const Structure& structure, const Record& record, const 
       made.problem, made.setup, measured,
       {.monitored = made.monitored, .deviation_stride = options.deviation_stride, .progress = options.progress});
   const auto& filtered = estimated.result;
+  if (estimated.freed && estimated.freed->taken) made.problem = estimated.freed->problem;
   EstimateResult estimate;
   estimate.parameters = parameters_of(estimated);
   set_quantities(made, options, estimated, estimate);
@@ -182,6 +198,7 @@ EstimateResult estimate(const Structure& structure, const Record& record, const 
   estimate.diagnosis = look_for_cause(*made.problem, made.problem->structure->parts, measured, estimated);
   estimate.left_out = estimated.left_out;
   if (estimated.fixed_numbers) estimate.fixed_numbers = effects_of(*estimated.fixed_numbers);
+  if (estimated.freed) set_freed(*estimated.freed, estimate);
   if (estimate.diagnosis) estimate.verdict.add(reasons_of(*estimate.diagnosis, estimate.verdict.state()));
   return estimate;
 }

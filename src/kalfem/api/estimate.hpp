@@ -81,6 +81,9 @@ struct EstimateOptions {
   std::optional<double> second_thoughts = {};
   /// How well numbers are known that the structure holds fixed. Intervals and bands hold what follows from it.
   std::vector<KnownTo> known_to = {};
+  /// Fixed numbers that the record asks to change: say nothing of estimating them, try them as unknowns and propose
+  /// those that predict the last third of the record better, or take these as unknowns.
+  FreeNumbers free = FreeNumbers::ask;
 };
 
 /// A parameter, estimated at the end of the record.
@@ -114,6 +117,23 @@ struct FixedNumberEffect {
   double log_likelihood_gain = 0.0;  ///< by that change
   std::vector<double> shift = {};    ///< of every parameter's estimate by a change of one scale [its unit]
   std::vector<double> considered = {};  ///< standard deviation that `known_to` adds to every parameter [its unit]
+};
+
+/// A number that was held fixed, tried as an unknown.
+struct NumberTrial {
+  std::string name, unit;         ///< of the unknown: "s.2.mass", "sensors.a3.gain"
+  double held = 0.0;              ///< the value at which it was held fixed
+  double prior_std = 0.0;         ///< of the unknown
+  double value = 0.0, std = 0.0;  ///< found
+  double predicted_gain = 0.0;    ///< rise of the log-likelihood of the last third of the record, from what is before
+  bool kept = false;              ///< it predicts that third better by far
+};
+
+/// An estimate before and after numbers were freed.
+struct EstimateMove {
+  std::string parameter, unit;
+  double before = 0.0, after = 0.0;
+  double deviations = 0.0;  ///< of the move, in those of the interval before
 };
 
 /// A sensor's innovations after settling, each over the deviation that the filter expects of it: with the right model
@@ -164,6 +184,10 @@ struct EstimateResult {
   /// Numbers that were held fixed, and how much they matter; empty: not looked at (no parameters, or `diagnose` off and
   /// nothing stated).
   std::vector<FixedNumberEffect> fixed_numbers = {};
+  /// Numbers that were tried as unknowns, and what those that were kept move. With FreeNumbers::automatic the result is
+  /// the one with them, and `parameters` hold them behind the given ones.
+  std::vector<NumberTrial> number_trials = {};
+  std::vector<EstimateMove> moved_by_freed = {};
 
   /// Whether the filter ran to the end and nothing in its numbers makes them worthless.
   [[nodiscard]] bool usable() const { return verdict.state() != VerdictState::unusable; }

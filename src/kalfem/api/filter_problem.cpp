@@ -209,6 +209,7 @@ private:
     settings.step_order = options_.step_order;
     settings.threads = options_.threads;
     settings.known_to = options_.known_to;
+    settings.free = options_.free;
     for (std::size_t i = 0; i < options_.initial_state.size(); ++i) {
       const auto& [point, prior] = options_.initial_state[i];
       settings.initial_state.push_back({point, {prior, {}, "initial_state[" + std::to_string(i) + "]"}});

@@ -35,8 +35,10 @@ struct InferOptions {
   bool initial_state_from_record = false;  ///< displacements and velocities from the displacement sensors
   double process_noise = 0.0;              ///< white acceleration on every degree of freedom [m/s^2/sqrt(Hz)]
   std::optional<FilterKind> filter = {};   ///< if empty, the structure decides
-  std::optional<int> substeps = {};        ///< of a sample interval; empty: as many as the estimates need
-  int threads = 0;                         ///< 0: one per processor; results do not depend on it
+  /// How well numbers are known that are held fixed: the posterior integrates them out.
+  std::vector<KnownTo> known_to = {};
+  std::optional<int> substeps = {};  ///< of a sample interval; empty: as many as the estimates need
+  int threads = 0;                   ///< 0: one per processor; results do not depend on it
   Progress progress = {};
 };
 

@@ -9,6 +9,7 @@
 #include "kalfem/api/structure_description.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/identification/unknown_prior.hpp"
+#include "kalfem/inference/marginalised_numbers.hpp"
 
 namespace kalfem {
 
@@ -109,7 +110,8 @@ EstimateOptions filter_options(const InferOptions& options) {
           .substeps = options.substeps,
           .threads = options.threads,
           .initial_state_from_record = options.initial_state_from_record,
-          .diagnose = false};
+          .diagnose = false,
+          .known_to = options.known_to};
 }
 
 /// The constant unknowns that are asked for, with their priors, which must hold the values at which the search starts.
@@ -177,6 +179,8 @@ InferenceQuestion make_inference_question(const Structure& structure, const Reco
   problem.samples = options.samples;
   problem.seed = options.seed;
   problem.predictions = options.predictions;
+  marginalise_stated_numbers(problem, issues);
+  issues.raise();
   return question;
 }
 

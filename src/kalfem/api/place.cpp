@@ -8,6 +8,7 @@
 #include "kalfem/api/structure_description.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/identification/expected_record.hpp"
+#include "kalfem/identification/stated_unknowns.hpp"
 #include "kalfem/identification/unknown_prior.hpp"
 #include "kalfem/placement/placement.hpp"
 
@@ -65,18 +66,19 @@ std::vector<CandidateSensor> ordered(const EstimationProblem& problem, const std
   return candidates;
 }
 
-/// The unknowns that do not drift: first those that count.
-void set_unknowns(const std::vector<std::string>& counted, PlacementProblem& placement, IssueList& issues) {
+/// The unknowns that do not drift: first those that count; `given`: the caller's own.
+void set_unknowns(const std::vector<std::string>& counted, std::size_t given, PlacementProblem& placement,
+                  IssueList& issues) {
   const auto& unknowns = placement.problem->settings.unknowns;
   placement.unknowns = counted;
   for (const auto& unknown : unknowns) {
     const bool counts = std::ranges::find(counted, unknown.name) != counted.end();
-    if (unknown.random_walk > 0.0 && counts && counted.size() < unknowns.size())
+    if (unknown.random_walk > 0.0 && counts && counted.size() < given)
       issues.add({}, "parameters: '" + unknown.name + "' has a random walk", "sensors are placed for constant unknowns",
                  "leave it out");
     if (unknown.random_walk == 0.0 && !counts) placement.unknowns.push_back(unknown.name);
   }
-  if (counted.size() == unknowns.size())
+  if (counted.size() == given)
     std::erase_if(placement.unknowns, [&](const std::string& name) {
       return std::ranges::find(unknowns, name, &Unknown::name)->random_walk > 0.0;
     });
@@ -107,10 +109,13 @@ PlacementProblem problem_of(const Structure& structure, const PlaceOptions& opti
                                         {.sensors = options.candidates,
                                          .unknowns = options.unknowns,
                                          .process_noise = options.process_noise,
-                                         .threads = options.threads});
-  PlacementProblem placement{.problem = made.problem, .candidates = ordered(*made.problem, kept)};
+                                         .threads = options.threads,
+                                         .known_to = options.known_to});
+  const StatedUnknowns stated = with_stated_unknowns(made.problem, made.setup);
+  PlacementProblem placement{.problem = stated.problem, .candidates = ordered(*made.problem, kept)};
+  placement.not_counted = stated.of_signals();
   check_excitation_is_known(*made.problem, issues);
-  set_unknowns(counted, placement, issues);
+  set_unknowns(counted, options.unknowns.size(), placement, issues);
   auto& choice = placement.options;
   choice.fixed = kept;
   choice.sensors = kept.size() + static_cast<std::size_t>(options.count);

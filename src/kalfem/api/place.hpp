@@ -17,7 +17,9 @@ struct PlaceOptions {
   std::vector<std::string> parameters = {};  ///< unknowns that shall be known well; empty: all
   double duration = 0.0;                     ///< of the record that is to come [s]
   double sample_rate = 0.0;                  ///< [Hz]
-  double process_noise = 0.0;                ///< of the filter that checks sets [m/s^2/sqrt(Hz)]
+  /// How well numbers of the structure are known that are held fixed: they are unknown beside the others.
+  std::vector<KnownTo> known_to = {};
+  double process_noise = 0.0;  ///< of the filter that checks sets [m/s^2/sqrt(Hz)]
   PlacementCriterion criterion = PlacementCriterion::d_optimality;
   int draws = 1;           ///< from the priors, over which the choice is averaged; 1: the initial values
   std::uint64_t seed = 1;  ///< of these

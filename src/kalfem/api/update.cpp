@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "kalfem/api/structure_description.hpp"
 #include "kalfem/api/update_comparisons.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/diagnosis/judge_updating.hpp"
 #include "kalfem/identification/parameterised_structure.hpp"
+#include "kalfem/identification/stated_in_updating.hpp"
 #include "kalfem/updating/gauss_newton.hpp"
 #include "kalfem/updating/modal_residual.hpp"
 #include "kalfem/updating/parameter_interval.hpp"
@@ -151,21 +153,84 @@ std::vector<EndOfComparison> compare(const std::vector<MadeComparison>& comparis
   return ends;
 }
 
+bool compares_a_record(const UpdateOptions& options) {
+  return std::ranges::any_of(options.comparisons, [](const UpdateComparison& each) {
+    return std::holds_alternative<MeasuredRecord>(each.what);
+  });
+}
+
+/// The fixed numbers of which the options say something. Throws InvalidInput with everything that does not fit.
+std::vector<FixedNumber> stated_of(const StructureModel& model, const std::vector<MadeComparison>& comparisons,
+                                   const UpdateOptions& options) {
+  if (options.known_to.empty()) return {};
+  std::vector<ComparedGain> gains;
+  for (const auto& each : comparisons)
+    for (const auto& gain : each.continuation.back()->gains())
+      if (std::ranges::find(gains, gain) == gains.end()) gains.push_back(gain);
+  const auto names = names_of_parameters(options);
+  const std::set<std::string> refined(names.begin(), names.end());
+  const auto all = held_in_updating(model, refined, gains, compares_a_record(options));
+  IssueList issues;
+  check_known_to(options.known_to, all, refined, issues);
+  issues.raise();
+  return stated_numbers(all, options.known_to);
+}
+
+/// What is stated of fixed numbers, at the end of a search. Nothing where nothing is stated, or it found nothing.
+std::optional<Considered> considered_at_end(const Structure& structure, const StructurePtr& model,
+                                            const Refined& refined, const std::vector<FixedNumber>& stated,
+                                            const LeastSquaresOutcome& outcome, const UpdateOptions& options) {
+  if (stated.empty() || outcome.residual.jacobian.size() == 0) return std::nullopt;
+  const auto wide = with_numbers({refined.parameters, refined.bindings, {}}, stated);
+  const auto connectors = connectors_of(wide.bindings);
+  const auto comparisons = make_comparisons(
+      structure, model,
+      std::make_shared<const ParameterisedStructure>(model, wide.bindings, std::ssize(wide.parameters)),
+      wide.parameters, options, connectors);
+  std::vector<ResidualSum::Term> terms;
+  for (const auto& each : comparisons) terms.push_back({each.continuation.back(), each.weight});
+  return consider_stated(stated, refined.parameters, outcome.parameters,
+                         parameter_statistics(refined.parameters, outcome.parameters, outcome.residual),
+                         outcome.residual, terms);
+}
+
+std::vector<StatedNumber> told(const std::vector<FixedNumber>& stated, const Considered& considered) {
+  std::vector<StatedNumber> all;
+  for (std::size_t i = 0; i < stated.size(); ++i) {
+    const auto& number = stated[i];
+    const auto at = static_cast<Index>(i);
+    const VectorXd shift = considered.shift.col(at) / number.scale, added = considered.by_number.col(at);
+    all.push_back({.name = number.name,
+                   .unit = number.unit,
+                   .group = group_of(number.kind),
+                   .value = number.value,
+                   .known_to = number.deviation * number.scale,
+                   .allowed = considered.allowed[at] * number.scale,
+                   .shift = {shift.begin(), shift.end()},
+                   .considered = {added.begin(), added.end()}});
+  }
+  return all;
+}
+
 /// Both kinds of deviations at the end of a search, and what they say with the residual about the numbers.
 void judge(const std::vector<MadeComparison>& comparisons, const std::vector<UpdatingParameter>& parameters,
-           const LeastSquaresOutcome& outcome, std::vector<EndOfComparison> ends, UpdateResult& result) {
+           const LeastSquaresOutcome& outcome, const std::optional<Considered>& considered,
+           std::vector<EndOfComparison> ends, UpdateResult& result) {
   const auto& value = outcome.residual;
   if (value.jacobian.size() == 0) {
     result.verdict.add({"failed", "", "the updating has no deviations: " + outcome.reason(),
                         "change the initial values or the bounds", VerdictState::unusable, unusable_widening});
     return;
   }
-  const auto statistics = parameter_statistics(parameters, outcome.parameters, value);
+  auto statistics = parameter_statistics(parameters, outcome.parameters, value);
+  if (considered) statistics.considered = considered->deviations;
   const auto robust = robust_statistics(parameters, value, blocks_of(comparisons), statistics);
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const auto at = static_cast<Index>(i);
     result.parameters[i].std = statistics.deviations[at];
     result.parameters[i].std_robust = robust.deviations[at];
+    if (considered && std::isfinite(statistics.deviations[at]))
+      result.parameters[i].std_considered = std::hypot(statistics.deviations[at], considered->deviations[at]);
     if (const auto interval = parameter_interval(parameters[i], at, outcome.parameters[at], statistics, robust))
       result.parameters[i].interval_95 = {interval->lower, interval->upper};
   }
@@ -182,13 +247,16 @@ void judge(const std::vector<MadeComparison>& comparisons, const std::vector<Upd
 
 UpdateResult update(const Structure& structure, const UpdateOptions& options) {
   const auto model = make_structure_model(structure.description(), {.parameters = names_of_parameters(options)});
-  const auto [parameters, bindings] = refined(*model, options);
+  const Refined found = refined(*model, options);
+  const auto& [parameters, bindings] = found;
   const auto comparisons = make_comparisons(
       structure, model, std::make_shared<const ParameterisedStructure>(model, bindings, std::ssize(parameters)),
       parameters, options);
   const VectorXd start = initial_values(parameters);
   const VectorXd first = first_values(sum_of(comparisons, std::numeric_limits<std::size_t>::max()), parameters);
-  const auto outcome = search(comparisons, parameters, options);
+  const auto stated = stated_of(*model, comparisons, options);
+  auto outcome = search(comparisons, parameters, options);
+  const auto considered = considered_at_end(structure, model, found, stated, outcome, options);
 
   UpdateResult result{.converged = outcome.usable(), .reason = outcome.reason()};
   for (std::size_t i = 0; i < parameters.size(); ++i) {
@@ -199,8 +267,13 @@ UpdateResult update(const Structure& structure, const UpdateOptions& options) {
                                  .value = outcome.parameters[at],
                                  .std = std::numeric_limits<double>::infinity()});
   }
+  if (considered) {
+    outcome.residual.values = considered->residual;
+    result.stated_numbers = told(stated, *considered);
+  }
   const VectorXd last = outcome.residual.values.size() > 0 ? outcome.residual.values : first;
-  judge(comparisons, parameters, outcome, compare(comparisons, start, first, outcome.parameters, last, result), result);
+  judge(comparisons, parameters, outcome, considered,
+        compare(comparisons, start, first, outcome.parameters, last, result), result);
   return result;
 }
 

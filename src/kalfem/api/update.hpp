@@ -11,6 +11,7 @@
 
 #include "kalfem/api/sensors.hpp"
 #include "kalfem/api/structure.hpp"
+#include "kalfem/identification/known_to.hpp"
 #include "kalfem/verdict/verdict.hpp"
 
 namespace kalfem {
@@ -85,6 +86,10 @@ struct UpdateOptions {
   double above = 0.0;                              ///< modes up to this frequency are not elastic ones [Hz]
   std::vector<UpdateComparison> comparisons = {};  ///< further ones, or instead of `frequencies`
   int max_evaluations = 100;
+  /// How well numbers are known that are not refined: of the structure; gains of what is compared: "tip.z.gain" of a
+  /// response, "input.tip.z.gain" of its force, "a1.gain" of a record's sensor, "road.gain" of its excitation.
+  /// Intervals hold what follows from it, and the fit is judged with the numbers as the data ask for within it.
+  std::vector<KnownTo> known_to = {};
   double tolerance = 1e-6;  ///< the search ends once a step changes every parameter by less than this, relative
 };
 
@@ -100,6 +105,17 @@ struct ComparisonFit {
   double rms_before = 0.0, rms_after = 0.0;  ///< of (model - measured) / std: about 1 where model and std are right
 };
 
+/// A number that an updating holds fixed and of which something is stated.
+struct StatedNumber {
+  std::string name, unit;
+  std::string group;  ///< "masses" and so on, as KnownTo names them
+  double value = 0.0;
+  double known_to = 0.0;                ///< stated standard deviation [unit]
+  double allowed = 0.0;                 ///< the change within it that the data ask for, with all others [unit]
+  std::vector<double> shift = {};       ///< d(value)/d(number) of every parameter
+  std::vector<double> considered = {};  ///< standard deviation that it adds to every parameter [its unit]
+};
+
 /// Result of an updating.
 struct UpdateResult {
   struct Parameter {
@@ -109,14 +125,18 @@ struct UpdateResult {
     /// From the scatter of the frequencies' residuals; not a number if none is left or `std` is none. With a right
     /// model it is about `std`.
     double std_robust = std::numeric_limits<double>::quiet_NaN();
-    /// From the deviation whose interval is the wider one, cut at the bounds; not a number if `std` is none.
+    /// The deviation with what `known_to` adds; not a number where nothing is stated, or `std` is none.
+    double std_considered = std::numeric_limits<double>::quiet_NaN();
+    /// From the deviation whose interval is the wider one, with what `known_to` adds, cut at the bounds; not a number
+    /// if `std` is none.
     struct Interval {
       double lower = std::numeric_limits<double>::quiet_NaN(), upper = lower;
     } interval_95 = {};
   };
   std::vector<Parameter> parameters;
-  std::vector<FrequencyComparison> frequencies;  ///< of all comparisons of modes, in their order
-  std::vector<ComparisonFit> comparisons;        ///< "frequencies", if given, then those of the options
+  std::vector<FrequencyComparison> frequencies;   ///< of all comparisons of modes, in their order
+  std::vector<ComparisonFit> comparisons;         ///< "frequencies", if given, then those of the options
+  std::vector<StatedNumber> stated_numbers = {};  ///< of which UpdateOptions::known_to says something
   bool converged = false;
   std::string reason;  ///< why it ended, in words
   Verdict verdict;     ///< whether the numbers agree with each other and with what was stated about them

@@ -37,11 +37,12 @@ class ResidualMaker {
 public:
   ResidualMaker(const Structure& structure, const StructurePtr& model,
                 const std::shared_ptr<const ParameterisedStructure>& parameterised,
-                const std::vector<UpdatingParameter>& parameters)
+                const std::vector<UpdatingParameter>& parameters, const std::vector<StructureBinding>& connectors)
       : structure_(structure),
         model_(model),
         parameterised_(parameterised),
         parameters_(parameters),
+        connectors_(connectors),
         start_(initial_values(parameters)) {}
 
   std::vector<ResidualPtr> operator()(const MeasuredModes& given) const {
@@ -108,7 +109,8 @@ public:
     const auto sensors = make_filter_problem(structure_, given.record.sample_rate, {.sensors = given.sensors}).problem;
     return {std::make_shared<SimulationResidual>(
         model_, sensors->sensors, record_of_sensors(given.record, given.sensors), parameterised_, parameters_,
-        SimulationResidual::Options{.name = "record", .settle = given.settle, .substeps = given.substeps})};
+        SimulationResidual::Options{
+            .name = "record", .settle = given.settle, .substeps = given.substeps, .connectors = connectors_})};
   }
 
 private:
@@ -189,6 +191,7 @@ private:
   const StructurePtr& model_;
   const std::shared_ptr<const ParameterisedStructure>& parameterised_;
   const std::vector<UpdatingParameter>& parameters_;
+  const std::vector<StructureBinding>& connectors_;
   VectorXd start_;
 };
 
@@ -197,8 +200,9 @@ private:
 std::vector<MadeComparison> make_comparisons(const Structure& structure, const StructurePtr& model,
                                              const std::shared_ptr<const ParameterisedStructure>& parameterised,
                                              const std::vector<UpdatingParameter>& parameters,
-                                             const UpdateOptions& options) {
-  const ResidualMaker make(structure, model, parameterised, parameters);
+                                             const UpdateOptions& options,
+                                             const std::vector<StructureBinding>& connectors) {
+  const ResidualMaker make(structure, model, parameterised, parameters, connectors);
   std::vector<MadeComparison> made;
   IssueList issues;
   const auto add = [&](const std::string& place, const UpdateComparison& given) {

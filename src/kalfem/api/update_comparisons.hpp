@@ -19,10 +19,11 @@ struct MadeComparison {
 };
 
 /// The frequencies of the options, if there are any, then their comparisons. Throws InvalidInput with everything that
-/// does not fit, by its place.
+/// does not fit, by its place. `connectors`: parameters of connectors among those that are varied.
 std::vector<MadeComparison> make_comparisons(const Structure& structure, const StructurePtr& model,
                                              const std::shared_ptr<const ParameterisedStructure>& parameterised,
                                              const std::vector<UpdatingParameter>& parameters,
-                                             const UpdateOptions& options);
+                                             const UpdateOptions& options,
+                                             const std::vector<StructureBinding>& connectors = {});
 
 }  // namespace kalfem

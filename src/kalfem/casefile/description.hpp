@@ -213,6 +213,7 @@ struct Estimation {
   std::optional<double> second_thoughts;  ///< filter steps, in those of the first answer; if empty, see `diagnose`
   bool smooth = false;
   Named<Value> known_to;  ///< standard deviations of numbers that are held fixed
+  FreeNumbers free = FreeNumbers::ask;
 };
 
 struct Prediction {

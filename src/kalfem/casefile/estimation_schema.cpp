@@ -201,7 +201,15 @@ Schema<Estimation> estimation() {
                     "standard deviations of numbers that are held fixed, which intervals and bands then hold: a "
                     "percentage, or in the number's unit. By group (masses, stiffnesses, damping, laws, gains, "
                     "excitations, delays) or by name (frame.3.mass, a1.gain, a1.delay, road.gain, or frame for all of "
-                    "it); the longest name counts"));
+                    "it); the longest name counts")
+          .optional("free", &Estimation::free,
+                    choice<FreeNumbers>(
+                        {{"none", FreeNumbers::none, "nothing is said of estimating them"},
+                         {"ask", FreeNumbers::ask,
+                          "they are tried as unknowns, and case.proposed.yaml has one that predicts the last third of "
+                          "the record better"},
+                         {"auto", FreeNumbers::automatic, "such numbers become unknowns of the run"}}),
+                    "what to do with fixed numbers where the record asks for others"));
 }
 
 }  // namespace kalfem::description

@@ -130,6 +130,7 @@ struct Updating {
   Evolution evolution;
   bool check_sensitivities = false;
   std::uint64_t seed = 1;
+  Named<Value> known_to;  ///< standard deviations of numbers that are held fixed
 };
 
 /// A change of some parameters of the updated structure, whose natural frequencies are predicted.

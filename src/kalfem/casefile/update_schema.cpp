@@ -202,7 +202,11 @@ Schema<Updating> updating() {
                     "the updating ends when the parameters change by less than this (relative) between iterations")
           .optional("evolution", &Updating::evolution, mapping(evolution), "options of method: cma_es")
           .optional("check_sensitivities", &Updating::check_sensitivities, boolean(),
-                    "check the residual's derivatives against finite differences at the start"));
+                    "check the residual's derivatives against finite differences at the start")
+          .optional("known_to", &Updating::known_to, named(value(), NameRule::dotted),
+                    "standard deviations of numbers that are not updated, which intervals then hold, as in "
+                    "estimate.known_to; gains are those of what is compared: tip.z.gain of a response, "
+                    "input.tip.z.gain of its force, a1.gain of a sensor, road.gain of an excitation"));
 }
 
 Schema<Modification> modification() {

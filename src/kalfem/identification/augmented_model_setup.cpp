@@ -170,14 +170,31 @@ void add_unknowns(const EstimationProblem& problem, const PresentValues& present
   for (const auto& unknown : problem.settings.unknowns) unknowns.add(unknown);
 }
 
+/// The linear substructures over the values of the linear unknowns, and behind these of what is held.
+ParameterisedStructure over_all(const EstimationProblem& problem, const LinearUnknowns& unknowns) {
+  auto bindings = unknowns.bindings;
+  auto index = static_cast<Index>(unknowns.names.size());
+  for (const auto& parameter : unknowns.held.parameters) bindings.push_back({index++, parameter});
+  return ParameterisedStructure(problem.structure, bindings, index);
+}
+
+VectorXd with_held(const LinearUnknowns& unknowns, const VectorXd& values) {
+  VectorXd all(values.size() + unknowns.held.values.size());
+  all << values, unknowns.held.values;
+  return all;
+}
+
 /// The structure at the initial values of the linear unknowns, in place of the given one.
 StructureParts at_first_guesses(const EstimationProblem& problem, LinearUnknowns& unknowns,
                                 const std::optional<VectorXd>& reduced_at) {
   const VectorXd initial = VectorXd::Map(unknowns.initial.data(), static_cast<Index>(unknowns.initial.size()));
-  const ParameterisedStructure structure(problem.structure, unknowns.bindings, initial.size());
+  const ParameterisedStructure structure = over_all(problem, unknowns);
   unknowns.reduced_at = reduced_at.value_or(initial);
-  unknowns.structure = std::make_shared<const StructureAtParameters>(structure.at(unknowns.reduced_at));
-  return structure.near(*unknowns.structure, initial);
+  unknowns.structure =
+      unknowns.held.structure
+          ? unknowns.held.structure
+          : std::make_shared<const StructureAtParameters>(structure.at(with_held(unknowns, unknowns.reduced_at)));
+  return structure.near(*unknowns.structure, with_held(unknowns, initial));
 }
 
 /// Prior and noise of a structure at rest; the settings fill in their values.
@@ -198,7 +215,7 @@ Index SubstepChoice::largest() const {
 
 StructureParts parts_at(const EstimationProblem& problem, const LinearUnknowns& unknowns, const VectorXd& values) {
   if (unknowns.bindings.empty()) return *unknowns.parts;
-  return ParameterisedStructure(problem.structure, unknowns.bindings, values.size()).near(*unknowns.structure, values);
+  return over_all(problem, unknowns).near(*unknowns.structure, with_held(unknowns, values));
 }
 
 bool set_unknowns(const EstimationProblem& problem, const std::string& substructure, const VectorXd& values,
@@ -239,7 +256,7 @@ std::function<LocallyNonlinearSystem(const VectorXd&)> system_of_linear_unknowns
 // 4. Select the sensors of the model. Each offset becomes an unknown that adds to its sensor.
 AugmentedModelSetup make_augmented_model_setup(const EstimationProblem& problem, StructureParts parts,
                                                const PresentValues& present, IssueList& issues,
-                                               const std::optional<VectorXd>& reduced_at) {
+                                               const std::optional<VectorXd>& reduced_at, const HeldElements& held) {
   const EstimationSettings& settings = problem.settings;
   AugmentedModelSetup setup;
   std::optional<LocalModel> local;
@@ -250,6 +267,7 @@ AugmentedModelSetup make_augmented_model_setup(const EstimationProblem& problem,
     LinearUnknowns linear = std::move(setup.linear_unknowns);
     linear.present = present;
     linear.parts = given_parts;
+    linear.held = held;
     if (!linear.bindings.empty()) {
       parts = at_first_guesses(problem, linear, reduced_at);
       setup = {};

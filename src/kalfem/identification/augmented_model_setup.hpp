@@ -14,6 +14,14 @@ namespace kalfem {
 /// Present values of parameters, by their names and by the names of all parameters that they apply to.
 using PresentValues = std::map<std::string, double>;
 
+/// Numbers of finite elements that are set beside the unknowns of the filter which these elements follow.
+struct HeldElements {
+  std::vector<Parameter> parameters = {};
+  Eigen::VectorXd values = {};
+  /// Whose bases serve, of the same parameters; null: the elements are reduced at these values.
+  std::shared_ptr<const StructureAtParameters> structure = {};
+};
+
 /// Unknowns of the filter on which the linear part of its model depends. Some are parameters of linear substructures
 /// that no connector can represent. Others are released into connectors, but the damping of the linear part depends on
 /// them too: a released spring of a substructure with modal damping.
@@ -26,6 +34,7 @@ struct LinearUnknowns {
   Eigen::VectorXd reduced_at;                   ///< values at which the finite elements are reduced
   /// The structure at those values; its bases serve for all values. Empty without bindings.
   std::shared_ptr<const StructureAtParameters> structure;
+  HeldElements held = {};
 
   [[nodiscard]] bool empty() const { return names.empty(); }
 };
@@ -60,10 +69,12 @@ struct AugmentedModelSetup {
 
 /// Makes the filter's model of a problem from `parts`: the structure's own, or updated ones. Values in `present`
 /// replace the initial values of unknowns with the same name. Issues go to `issues` with their place. `reduced_at`:
-/// values of the linear unknowns at which the finite elements are reduced; by default the initial ones.
+/// values of the linear unknowns at which the finite elements are reduced; by default the initial ones. `held`: counts
+/// where finite elements follow unknowns.
 AugmentedModelSetup make_augmented_model_setup(const EstimationProblem& problem, StructureParts parts,
                                                const PresentValues& present, IssueList& issues,
-                                               const std::optional<Eigen::VectorXd>& reduced_at = {});
+                                               const std::optional<Eigen::VectorXd>& reduced_at = {},
+                                               const HeldElements& held = {});
 
 /// The parts of a filter's model at other values of its linear unknowns, in the bases of its reduction.
 StructureParts parts_at(const EstimationProblem& problem, const LinearUnknowns& unknowns,

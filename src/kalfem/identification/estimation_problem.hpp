@@ -145,8 +145,9 @@ struct EstimationSettings {
   /// Filter steps of all that follows the first answer (more substeps, other process noise, changes of unknowns, the
   /// mistake behind a contradiction), in those of the first answer. 0: nothing follows; see RecordEstimate.
   double second_thoughts = StepBudget::unlimited;
-  bool smooth = false;                 ///< estimate every sample from the whole record too
-  std::vector<KnownTo> known_to = {};  ///< numbers that are held fixed, and not known exactly
+  bool smooth = false;                  ///< estimate every sample from the whole record too
+  std::vector<KnownTo> known_to = {};   ///< numbers that are held fixed, and not known exactly
+  FreeNumbers free = FreeNumbers::ask;  ///< numbers that are held fixed where the record asks for others
 };
 
 /// A structure, its sensors, and the unknowns to estimate from its record. Immutable; models made from it share it.

@@ -237,7 +237,6 @@ std::optional<FixedNumberResult> study_fixed_numbers(const EstimationProblemPtr&
   }
   FixedNumberResult found = std::move(collection).finish();
   confirm(runs, options_of_filter, estimate.settled, log_likelihood_from(result, estimate.settled), found.study);
-  found.study.failed.insert(found.study.failed.end(), runs.left_out().begin(), runs.left_out().end());
   return found;
 } catch (const InvalidInput&) {
   return std::nullopt;  // at the estimates there is no structure

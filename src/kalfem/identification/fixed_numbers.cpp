@@ -40,6 +40,15 @@ FixedNumberKind kind_of(const Parameter& parameter) {
   return FixedNumberKind::law;
 }
 
+FixedNumber number_of(const Parameter& parameter) {
+  return {.name = parameter.name,
+          .unit = parameter.unit,
+          .value = parameter.value,
+          .scale = std::abs(parameter.value),
+          .kind = kind_of(parameter),
+          .parameter = parameter};
+}
+
 /// All ratios as one are their single ones again.
 bool repeats_others(const Parameter& parameter) { return parameter.name.ends_with(".damping.modal"); }
 
@@ -118,17 +127,13 @@ std::vector<FixedNumber> held_numbers(const EstimationProblem& problem, const St
   const auto& settings = problem.settings;
   std::vector<FixedNumber> all;
   for (const auto& parameter : fixed_parameters(*problem.structure, parts, estimated_parameters(settings, updated)))
-    if (!repeats_others(parameter))
-      all.push_back({.name = parameter.name,
-                     .unit = parameter.unit,
-                     .value = parameter.value,
-                     .scale = std::abs(parameter.value),
-                     .kind = kind_of(parameter),
-                     .parameter = parameter});
+    if (!repeats_others(parameter)) all.push_back(number_of(parameter));
   const auto add = [&](const std::string& of, FixedNumberKind gain, bool gain_is_fixed, bool delay_is_fixed) {
-    if (gain_is_fixed) all.push_back({.name = of + ".gain", .unit = "-", .value = 1.0, .scale = 1.0, .kind = gain});
-    if (delay_is_fixed)
-      all.push_back({.name = of + ".delay", .unit = "s", .value = 0.0, .scale = 1.0, .kind = FixedNumberKind::delay});
+    FixedNumber number{.scale = 1.0, .of_sensor = gain == FixedNumberKind::gain};
+    number.name = of + ".gain", number.unit = "-", number.value = 1.0, number.kind = gain;
+    if (gain_is_fixed) all.push_back(number);
+    number.name = of + ".delay", number.unit = "s", number.value = 0.0, number.kind = FixedNumberKind::delay;
+    if (delay_is_fixed) all.push_back(number);
   };
   for (const auto& sensor : setup.sensors)
     add(sensor.name, FixedNumberKind::gain,
@@ -148,14 +153,42 @@ std::vector<FixedNumber> fixed_numbers(const EstimationProblem& problem, const S
   return all;
 }
 
+std::vector<FixedNumber> stated_numbers(std::vector<FixedNumber> all, const std::vector<KnownTo>& known_to) {
+  for (auto& number : all) take_stated(known_to, number);
+  std::erase_if(all, [](const FixedNumber& number) { return number.deviation == 0.0; });
+  return all;
+}
+
+std::vector<FixedNumber> held_in_updating(const StructureModel& structure, const std::set<std::string>& refined,
+                                          const std::vector<ComparedGain>& gains, bool with_connectors) {
+  std::vector<FixedNumber> all;
+  for (const auto& parameter : fixed_parameters(structure, structure.parts, refined))
+    if (!repeats_others(parameter) && (with_connectors || !parameter.of_connector()))
+      all.push_back(number_of(parameter));
+  for (const auto& [name, of_input] : gains)
+    all.push_back({.name = name,
+                   .unit = "-",
+                   .value = 1.0,
+                   .scale = 1.0,
+                   .kind = of_input ? FixedNumberKind::excitation : FixedNumberKind::gain,
+                   .of_sensor = !of_input});
+  return all;
+}
+
 void check_known_to(const EstimationProblem& problem, const StructureParts& parts, const AugmentedModelSetup& setup,
                     IssueList& issues) {
-  const auto all = held_numbers(problem, parts, setup, {});
-  const auto estimated = estimated_parameters(problem.settings, {});
+  auto estimated = estimated_parameters(problem.settings, {});
+  for (const auto& unknown : problem.settings.likelihood_unknowns)
+    if (!unknown.sensor.empty()) estimated.insert(unknown.name.substr(std::string("sensors.").size()));
+  check_known_to(problem.settings.known_to, held_numbers(problem, parts, setup, {}), estimated, issues);
+}
+
+void check_known_to(const std::vector<KnownTo>& known_to, const std::vector<FixedNumber>& all,
+                    const std::set<std::string>& estimated, IssueList& issues) {
   std::vector<std::string> known;
   for (const auto& group : groups) known.emplace_back(group.second);
   for (const auto& number : all) known.push_back(number.name);
-  for (const auto& stated : problem.settings.known_to) {
+  for (const auto& stated : known_to) {
     const std::string path = "known_to." + stated.name;
     check_size(stated, path, issues);
     const auto is_named = [&](const FixedNumber& number) { return kalfem::is_named(number, stated.name); };

@@ -8,6 +8,7 @@
 
 #include "kalfem/identification/augmented_model_setup.hpp"
 #include "kalfem/identification/known_to.hpp"
+#include "kalfem/updating/residual.hpp"
 
 namespace kalfem {
 
@@ -26,6 +27,7 @@ struct FixedNumber {
   double scale = 0.0;  ///< |value|; of a delay 1 s; of a number that is 0 its stated deviation
   FixedNumberKind kind = FixedNumberKind::law;
   std::optional<Parameter> parameter = {};  ///< of the structure
+  bool of_sensor = false;                   ///< a gain or delay of a sensor
   double deviation = 0.0;                   ///< stated by KnownTo [scale]; 0: taken as exact
 
   [[nodiscard]] bool is_delay() const { return kind == FixedNumberKind::delay; }
@@ -50,9 +52,21 @@ std::vector<FixedNumber> held_numbers(const EstimationProblem& problem, const St
 std::vector<FixedNumber> fixed_numbers(const EstimationProblem& problem, const StructureParts& parts,
                                        const AugmentedModelSetup& setup, const std::vector<std::string>& updated);
 
+/// Those of `all` of which something is stated, with it.
+std::vector<FixedNumber> stated_numbers(std::vector<FixedNumber> all, const std::vector<KnownTo>& known_to);
+
 /// Mistakes of what is stated of fixed numbers, which go to `issues`: a name that no number has, an unknown, a
 /// deviation that is not above 0 or a relative one above 100 %, a relative one of numbers that are 0 or of a delay.
+/// `estimated`: names of numbers that are not fixed.
+void check_known_to(const std::vector<KnownTo>& known_to, const std::vector<FixedNumber>& all,
+                    const std::set<std::string>& estimated, IssueList& issues);
+/// The same of an estimation's.
 void check_known_to(const EstimationProblem& problem, const StructureParts& parts, const AugmentedModelSetup& setup,
                     IssueList& issues);
+
+/// Numbers that an updating holds fixed: parameters of the structure but those that it refines, and the gains of what
+/// it compares. Those of connectors count where a record of the whole structure is compared.
+std::vector<FixedNumber> held_in_updating(const StructureModel& structure, const std::set<std::string>& refined,
+                                          const std::vector<ComparedGain>& gains, bool with_connectors);
 
 }  // namespace kalfem

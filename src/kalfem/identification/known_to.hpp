@@ -18,4 +18,13 @@ struct KnownTo {
   SourceLocation location = {};  ///< where it is stated, for messages
 };
 
+/// What an estimation does about fixed numbers that its record asks to change: nothing, propose them as unknowns, or
+/// take those as unknowns that predict better with.
+enum class FreeNumbers { none, ask, automatic };
+
+/// "none", "ask", "auto".
+inline const char* to_string(FreeNumbers free) {
+  return free == FreeNumbers::none ? "none" : free == FreeNumbers::ask ? "ask" : "auto";
+}
+
 }  // namespace kalfem

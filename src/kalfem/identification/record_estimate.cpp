@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "kalfem/base/units.hpp"
+#include "kalfem/identification/freed_numbers.hpp"
 #include "kalfem/identification/record_estimation.hpp"
 
 namespace kalfem {
@@ -19,6 +20,7 @@ namespace {
 /// basis is about its square. The second constant limits the repetitions.
 constexpr double reduction_reach = 0.02;
 constexpr int most_reductions = 3;
+constexpr int most_freed = 3;
 
 /// Largest relative distance of the linear unknowns from the values at which the finite elements were reduced. Only
 /// unknowns on which the bases depend count.
@@ -60,6 +62,78 @@ double renew_bases(const EstimationProblemPtr& problem, AugmentedModelSetup& set
     steps += estimation.steps();
   }
   return steps;
+}
+
+/// What a filter's model of another problem answers to the record, with what the estimate before it was.
+void answer_again(RecordEstimation other, const AugmentedModelSetup& setup, RecordEstimation& estimation) {
+  RecordEstimate& estimate = estimation.estimate();
+  const int reductions = setup.linear_unknowns.bindings.empty() ? 0 : 1;
+  const auto [thoughts, left_out] = std::tuple(estimate.second_thoughts, estimate.left_out);
+  estimation = std::move(other);
+  estimation.answer();
+  estimate.reductions = reductions;
+  estimate.second_thoughts = thoughts;
+  estimate.left_out = left_out;
+}
+
+/// The estimate of the problem with a number more among its unknowns, and what it owes to those that stay fixed.
+/// Nothing changes where the budget does not allow it, or the filter stops with it.
+bool take_with(const EstimationProblemPtr& with, AugmentedModelSetup& setup, const Record& record,
+               const RecordEstimateOptions& options, StepBudget& budget, RecordEstimation& estimation) {
+  const int substeps = estimation.estimate().substeps.substeps;
+  if (!budget.take(steps_of_run(*with, record, substeps))) {
+    estimation.estimate().leave_out("numbers that the record asks for, as unknowns");
+    return false;
+  }
+  IssueList issues;
+  auto other = make_augmented_model_setup(*with, *setup.parts, setup.linear_unknowns.present, issues);
+  issues.raise();
+  other.substeps = estimation.estimate().substeps;
+  const RecordEstimation before = estimation;
+  answer_again(RecordEstimation(with, other, record, options), other, estimation);
+  if (estimation.estimate().result.failure) {
+    estimation = before;
+    return false;
+  }
+  setup = std::move(other);
+  estimation.repeat_from_estimates(budget);
+  estimation.settle_substeps(budget);
+  renew_bases(with, setup, record, options, budget, estimation);
+  estimation.confirm_by_second_pass(budget);
+  estimation.study_fixed_numbers(budget);
+  return true;
+}
+
+/// Tries fixed numbers that the record asks to change as unknowns, and takes those kept where the settings say so, one
+/// after another.
+void free_numbers(const EstimationProblemPtr& problem, AugmentedModelSetup& setup, const Record& record,
+                  const RecordEstimateOptions& options, StepBudget& budget, RecordEstimation& estimation) {
+  RecordEstimate& estimate = estimation.estimate();
+  FreedNumbers freed{.how = problem->settings.free};
+  std::optional<RecordEstimate> before;
+  for (int round = 0; estimate.fixed_numbers && options.updated.empty() && round < most_freed; ++round) {
+    if (freed.how == FreeNumbers::none) break;
+    NumberTrials trials = estimation.try_numbers(budget);
+    if (trials.stopped) estimate.leave_out("numbers that the record asks for, as unknowns");
+    freed.tried.insert(freed.tried.end(), trials.tried.begin(), trials.tried.end());
+    if (trials.tried.empty() || !trials.tried.back().kept) break;
+    const TriedNumber& kept = trials.tried.back();
+    const auto with = with_unknown(freed.problem ? *freed.problem : *problem, kept.number, kept.prior);
+    if (freed.how == FreeNumbers::ask) {
+      freed.problem = with;
+      freed.moved = trials.moved;
+      break;
+    }
+    if (!before) before = estimate;
+    if (!take_with(with, setup, record, options, budget, estimation)) {
+      freed.tried.back().kept = false;
+      break;
+    }
+    freed.problem = with;
+    freed.taken = true;
+    freed.moved = moved_estimates(*before, estimate);
+  }
+  estimate.freed = std::make_shared<const FreedNumbers>(std::move(freed));
 }
 
 /// Of the usual first answer: one that takes fewer leaves as many for what follows.
@@ -130,6 +204,7 @@ RecordEstimate estimate_record_thoroughly(const EstimationProblemPtr& problem, A
   estimation.confirm_by_second_pass(budget);
   estimation.look_for_jump(budget);
   estimation.study_fixed_numbers(budget);
+  free_numbers(problem, setup, record, options, budget, estimation);
   estimation.study_process_noise(budget);
   if (estimate.second_thoughts == SecondThoughts::pending) estimate.second_thoughts = SecondThoughts::done;
   estimate.steps_left = budget.left();

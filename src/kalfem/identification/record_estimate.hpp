@@ -26,6 +26,8 @@ enum class SecondThoughts { none, pending, done, stopped };
 std::string to_string(SecondThoughts thoughts);
 
 struct FixedNumberStudy;
+struct FreedNumbers;
+struct NumberTrials;
 
 /// What a filter's run over a record gives: the estimates with both their deviations, whether the innovations are
 /// consistent, and the record again from the estimates alone.
@@ -58,6 +60,8 @@ struct RecordEstimate {
   Eigen::VectorXd robust_deviation;  ///< one per unknown [its unit]; NaN if it drifts, or after a failure
   /// How the estimates move with numbers that are held fixed, and what the record says of them; null: not looked at.
   std::shared_ptr<const FixedNumberStudy> fixed_numbers = {};
+  /// What became of the numbers that the record asks to change; null where they were not looked at.
+  std::shared_ptr<const FreedNumbers> freed = {};
   /// What the settings' known_to adds to each unknown [its unit]; empty where nothing is stated. The deviations of
   /// monitored quantities and inputs hold it, and innovations are those with the numbers as the record asks for within
   /// what is stated.
@@ -101,9 +105,12 @@ RecordEstimate estimate_record(const EstimationProblemPtr& problem, const Augmen
                                const Record& record, const RecordEstimateOptions& options = {});
 
 /// The same, the first answer first, and within what the settings' `second_thoughts` allow: more substeps, changes of
-/// unknowns and other process noise (study_process_noise()), the last two unless the settings' `diagnose` is off. If
-/// linear unknowns end far from the values at which the finite elements were reduced, reduces these at the estimates,
-/// replaces `setup`, and runs over the record again. Throws InvalidInput if a reduction fails.
+/// unknowns and other process noise (study_process_noise()), the last two unless the settings' `diagnose` is off. Fixed
+/// numbers that the record asks to change are tried as unknowns (try_numbers()); with the settings'
+/// FreeNumbers::automatic the estimate is that with those kept, and its `freed` holds the problem, of which `setup` is
+/// then the filter's model. If linear unknowns end far from the values at which the finite elements were reduced,
+/// reduces these at the estimates, replaces `setup`, and runs over the record again. Throws InvalidInput if a reduction
+/// fails.
 RecordEstimate estimate_record_thoroughly(const EstimationProblemPtr& problem, AugmentedModelSetup& setup,
                                           const Record& record, const RecordEstimateOptions& options = {});
 

@@ -7,6 +7,7 @@
 
 #include "kalfem/identification/change_hints.hpp"
 #include "kalfem/identification/fixed_number_study.hpp"
+#include "kalfem/identification/freed_numbers.hpp"
 #include "kalfem/identification/open_loop.hpp"
 #include "kalfem/identification/parameter_drift.hpp"
 #include "kalfem/identification/refined_filter.hpp"
@@ -382,6 +383,10 @@ void RecordEstimation::study_fixed_numbers(StepBudget& budget) {
   if (estimate_.fixed_numbers->any_stated()) take_considered(found->considered);
 }
 
+NumberTrials RecordEstimation::try_numbers(StepBudget& budget) {
+  return kalfem::try_numbers(problem_, screening_->setup(), screening_->record(), estimate_, budget);
+}
+
 namespace {
 
 void widen(const MatrixXd& added, EstimatedSeries& series) {
@@ -458,6 +463,7 @@ void RecordEstimation::evaluate(FilteredRecord filtered, SubstepChoice substeps)
   estimate.left_out = std::move(estimate_.left_out);
   estimate.reductions = estimate_.reductions;
   estimate.jump = estimate_.jump;
+  estimate.freed = estimate_.freed;
   run_ = std::move(filtered.run);
   estimate_ = std::move(estimate);
   if (estimate_.jump) add_event_of_change();

@@ -38,6 +38,8 @@ public:
   [[nodiscard]] bool shows_a_change() const;
   void study_process_noise(StepBudget& budget);
   void study_fixed_numbers(StepBudget& budget);
+  /// Fixed numbers that the record asks to change, as unknowns: see kalfem::try_numbers().
+  [[nodiscard]] NumberTrials try_numbers(StepBudget& budget);
 
   [[nodiscard]] RecordEstimate& estimate() { return estimate_; }
   [[nodiscard]] double steps() const { return screening_->steps() + other_steps_; }  ///< filter steps so far

@@ -30,9 +30,10 @@ MatrixXd rate_of(const MatrixXd& series) {
   return rate;
 }
 
-AugmentedModelSetup setup_of(const EstimationProblemPtr& problem, const StructureParts& parts) {
+AugmentedModelSetup setup_of(const EstimationProblemPtr& problem, const StructureParts& parts,
+                             const HeldElements& held) {
   IssueList issues;
-  auto setup = make_augmented_model_setup(*problem, parts, {}, issues);
+  auto setup = make_augmented_model_setup(*problem, parts, {}, issues, {}, held);
   issues.raise();
   return setup;
 }
@@ -49,9 +50,9 @@ RunsBeside::RunsBeside(EstimationProblemPtr problem, const AugmentedModelSetup& 
                        const RecordEstimate& estimate, const RecordEstimateOptions& options)
     : problem_(std::move(problem)), record_(record), monitored_(options.monitored), given_(setup) {
   numbers_ = fixed_numbers(*problem_, *setup.parts, setup, options.updated);
-  leave_out_repeated_reductions();
   reduce_once();
-  base_setup_ = setup_of(problem_, parts_);
+  base_setup_ = setup_of(problem_, parts_, held_);
+  held_.structure = base_setup_.linear_unknowns.structure;
   base_setup_.starts_at_rest = !estimate.start.moving;
   filter_ = make_filter_run(problem_, base_setup_, record_);
 }
@@ -172,31 +173,25 @@ double RunsBeside::log_likelihood(std::size_t i, double change, const Estimation
   return -std::numeric_limits<double>::infinity();
 }
 
-/// Finite elements that unknowns of the filter follow are reduced with each model: their other numbers are left out.
-void RunsBeside::leave_out_repeated_reductions() {
-  if (given_.linear_unknowns.bindings.empty()) return;
-  std::erase_if(numbers_, [&](const FixedNumber& number) {
-    const bool of_elements = is_of_finite_elements(number);
-    if (of_elements) left_out_.push_back(number.name);
-    return of_elements;
-  });
-}
-
-/// Finite elements keep one basis beside all numbers.
+/// Finite elements keep one basis beside all numbers. Those that unknowns of the filter follow have it with these.
 void RunsBeside::reduce_once() {
   parts_ = *given_.parts;
   std::vector<double> values;
   for (const auto& number : numbers_)
     if (is_of_finite_elements(number)) {
-      bindings_.push_back({static_cast<Index>(values.size()), *number.parameter});
+      held_.parameters.push_back(*number.parameter);
       values.push_back(number.value);
     }
-  if (bindings_.empty()) return;
-  of_elements_ = VectorXd::Map(values.data(), static_cast<Index>(values.size()));
-  elements_.emplace(problem_->structure, bindings_, of_elements_.size());
-  reduced_ = elements_->at(of_elements_);
+  held_.values = VectorXd::Map(values.data(), static_cast<Index>(values.size()));
+  if (values.empty() || follows_unknowns()) return;
+  std::vector<StructureBinding> bindings;
+  for (const auto& parameter : held_.parameters) bindings.push_back({std::ssize(bindings), parameter});
+  elements_.emplace(problem_->structure, bindings, std::ssize(bindings));
+  reduced_ = elements_->at(held_.values);
   parts_.finite_elements = reduced_.parts.finite_elements;
 }
+
+bool RunsBeside::follows_unknowns() const { return !given_.linear_unknowns.bindings.empty(); }
 
 RunsBeside::Change RunsBeside::change_of(std::size_t i, double change) const {
   return numbers_[i].parameter ? change_of_parameter(numbers_[i], change) : change_of_signal(numbers_[i], change);
@@ -210,14 +205,12 @@ RunsBeside::Change RunsBeside::change_of_parameter(const FixedNumber& number, do
     auto structure = std::make_shared<StructureModel>(*problem_->structure);
     set_parameter(structure->parts, *number.parameter, value);
     changed->structure = std::move(structure);
-  } else {
-    VectorXd values = of_elements_;
-    const auto own =
-        std::ranges::find(bindings_, number.name, [](const StructureBinding& each) { return each.target.name; });
-    values[own->index] = value;
-    parts.finite_elements = elements_->near(reduced_, values).finite_elements;
+    return {changed, setup_of(changed, parts, held_)};
   }
-  return {changed, setup_of(changed, parts)};
+  HeldElements held = held_;
+  held.values[std::ranges::find(held.parameters, number.name, &Parameter::name) - held.parameters.begin()] = value;
+  if (!follows_unknowns()) parts.finite_elements = elements_->near(reduced_, held.values).finite_elements;
+  return {changed, setup_of(changed, parts, held)};
 }
 
 /// A sensor's recorded samples, or an excitation, as a gain or delay changes them. The sensor's are those that the

@@ -27,7 +27,6 @@ public:
 
   [[nodiscard]] const FilterRun& filter() const { return filter_; }
   [[nodiscard]] const std::vector<FixedNumber>& numbers() const { return numbers_; }
-  [[nodiscard]] const std::vector<std::string>& left_out() const { return left_out_; }
   /// Whether the filter's model has tangents; otherwise each number takes a run.
   [[nodiscard]] bool carries_tangents() const { return has_tangents(*filter_.choice.augmented_model); }
   /// Of the gains, and of the derivatives of the innovations by every number [byte].
@@ -55,8 +54,8 @@ private:
     Eigen::MatrixXd to_measured = {}, to_inputs = {};
   };
 
-  void leave_out_repeated_reductions();
   void reduce_once();
+  [[nodiscard]] bool follows_unknowns() const;
   [[nodiscard]] Change change_of(std::size_t i, double change) const;
   [[nodiscard]] Change change_of_parameter(const FixedNumber& number, double change) const;
   [[nodiscard]] Change change_of_signal(const FixedNumber& number, double change) const;
@@ -76,10 +75,8 @@ private:
   const std::vector<OutputDescription>& monitored_;
   const AugmentedModelSetup& given_;
   std::vector<FixedNumber> numbers_;
-  std::vector<std::string> left_out_;
   StructureParts parts_;
-  std::vector<StructureBinding> bindings_;  ///< of the numbers of finite elements
-  Eigen::VectorXd of_elements_;             ///< their values
+  HeldElements held_;  ///< the numbers of finite elements
   std::optional<ParameterisedStructure> elements_;
   StructureAtParameters reduced_;
   AugmentedModelSetup base_setup_;

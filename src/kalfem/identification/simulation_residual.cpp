@@ -39,8 +39,9 @@ SimulationResidual::SimulationResidual(StructurePtr given, std::vector<Sensor> m
 }
 
 // Simulates by exact stepping with `substeps` steps per sample, passes each output through the chain of its sensor at
-// this rate, and takes the samples of the record after settling. Missing samples add zero.
-std::optional<VectorXd> SimulationResidual::values(const StructureParts& parts) const {
+// this rate, and takes the samples of the record after settling.
+std::optional<MatrixXd> SimulationResidual::simulated(const StructureParts& parts,
+                                                      const std::vector<SignalPtr>& given) const {
   const CoupledModel model = couple(parts);
   std::vector<OutputDescription> outputs;
   for (const auto& sensor : sensors_) outputs.push_back(sensor.output);
@@ -52,31 +53,77 @@ std::optional<VectorXd> SimulationResidual::values(const StructureParts& parts) 
   simulation.keep_motion = false;
   simulation.every_step = make_outputs(model, outputs);
   std::vector<SignalPtr> signals;
-  for (const auto& signal : given_->signals) signals.push_back(delayed(signal, -start_));
+  for (const auto& signal : given) signals.push_back(delayed(signal, -start_));
   const auto result = simulate(model.system(), signals, initial_state(options_.initial, model), simulation);
   if (result.failure) return std::nullopt;
-  const Index counted = measured_.cols();
-  VectorXd residual(measured_.size());  // sensor by sensor
+  MatrixXd channels(measured_.rows(), measured_.cols());
   for (Index j = 0; j < measured_.rows(); ++j) {
     const VectorXd fine =
         sensors_[static_cast<std::size_t>(j)].chain.filter(result.every_step.row(j).transpose(), fine_rate);
-    const VectorXd sampled = fine(Eigen::seqN(settled_ * options_.substeps, counted, options_.substeps));
-    const VectorXd difference = (sampled - measured_.row(j).transpose()) / noise_[j];
-    residual.segment(j * counted, counted) = difference.array().isNaN().select(0.0, difference);
+    const VectorXd sampled = fine(Eigen::seqN(settled_ * options_.substeps, measured_.cols(), options_.substeps));
+    channels.row(j) = sampled.transpose();
   }
-  return residual;
+  return channels;
+}
+
+/// Sensor by sensor, in standard deviations. Missing samples are zero.
+VectorXd SimulationResidual::over_noise(const MatrixXd& channels) const {
+  const MatrixXd rows = (noise_.cwiseInverse().asDiagonal() * channels).transpose();
+  const MatrixXd present = measured_.transpose();
+  return present.array().isNaN().select(0.0, rows).reshaped();
+}
+
+std::optional<VectorXd> SimulationResidual::values(const StructureParts& parts) const {
+  const auto channels = simulated(parts, given_->signals);
+  return channels ? std::optional(over_noise(*channels - measured_)) : std::nullopt;
+}
+
+StructureParts SimulationResidual::parts_at(const StructureAtParameters& here, const VectorXd& parameters) const {
+  StructureParts parts = structure_->near(here, parameters);
+  for (const auto& [index, parameter] : options_.connectors) set_parameter(parts, parameter, parameters[index]);
+  return parts;
+}
+
+std::vector<ComparedGain> SimulationResidual::gains() const {
+  std::vector<ComparedGain> all;
+  for (const auto& sensor : sensors_) all.push_back({sensor.name + ".gain", false});
+  for (const auto& input : given_->parts.inputs) all.push_back({input.name + ".gain", true});
+  return all;
+}
+
+/// An excitation's by a difference, as the structure may not be linear.
+std::optional<MatrixXd> SimulationResidual::by_gains(const VectorXd& parameters) const try {
+  const StructureParts parts = parts_at(structure_->at(parameters), parameters);
+  const auto channels = simulated(parts, given_->signals);
+  if (!channels) return std::nullopt;
+  MatrixXd by = MatrixXd::Zero(size(), std::ssize(gains()));
+  for (Index j = 0; j < channels->rows(); ++j) {
+    MatrixXd own = MatrixXd::Zero(channels->rows(), channels->cols());
+    own.row(j) = -channels->row(j);
+    by.col(j) = over_noise(own);
+  }
+  for (std::size_t i = 0; i < given_->signals.size(); ++i) {
+    auto signals = given_->signals;
+    signals[i] = scaled(signals[i], 1.0 + options_.relative_step);
+    const auto beside = simulated(parts, signals);
+    if (!beside) return std::nullopt;
+    by.col(channels->rows() + static_cast<Index>(i)) = over_noise((*beside - *channels) / options_.relative_step);
+  }
+  return by;
+} catch (const InvalidInput&) {
+  return std::nullopt;
 }
 
 // The Jacobian is by differences: two simulations per parameter, in parallel, with the finite elements in the bases of
 // `parameters`.
 std::optional<ResidualValue> SimulationResidual::evaluate(const VectorXd& parameters, bool with_jacobian) const try {
   const StructureAtParameters here = structure_->at(parameters);
-  auto residual = values(here.parts);
+  auto residual = values(parts_at(here, parameters));
   if (!residual) return std::nullopt;
   ResidualValue value{std::move(*residual), {}};
   if (!with_jacobian) return value;
   auto jacobian = difference_jacobian(parameters_, parameters, value.values, options_.relative_step, processors(),
-                                      [&](const VectorXd& beside) { return values(structure_->near(here, beside)); });
+                                      [&](const VectorXd& beside) { return values(parts_at(here, beside)); });
   if (!jacobian) return std::nullopt;
   value.jacobian = std::move(*jacobian);
   return value;

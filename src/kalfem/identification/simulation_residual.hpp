@@ -26,6 +26,7 @@ public:
     double settle = 0.0;          ///< time at the start that does not count [s]
     Eigen::Index substeps = 4;    ///< steps per sample over which connector forces are linear; the rest is exact
     double relative_step = 1e-4;  ///< of a parameter, to its scale
+    std::vector<StructureBinding> connectors = {};  ///< parameters of connectors among those that are varied
   };
   /// `measured`: the sensors that are compared; `parameters`: what is refined.
   SimulationResidual(StructurePtr given, std::vector<Sensor> measured, const Record& record,
@@ -40,9 +41,16 @@ public:
   [[nodiscard]] RowLayout layout() const override { return layout_of_series(measured_.cols(), measured_.rows()); }
   [[nodiscard]] std::optional<ResidualValue> evaluate(const Eigen::VectorXd& parameters,
                                                       bool with_jacobian) const override;
+  /// Of the sensors, then of the excitations.
+  [[nodiscard]] std::vector<ComparedGain> gains() const override;
+  [[nodiscard]] std::optional<Eigen::MatrixXd> by_gains(const Eigen::VectorXd& parameters) const override;
 
 private:
+  [[nodiscard]] StructureParts parts_at(const StructureAtParameters& here, const Eigen::VectorXd& parameters) const;
+  [[nodiscard]] std::optional<Eigen::MatrixXd> simulated(const StructureParts& parts,
+                                                         const std::vector<SignalPtr>& given) const;
   [[nodiscard]] std::optional<Eigen::VectorXd> values(const StructureParts& parts) const;
+  [[nodiscard]] Eigen::VectorXd over_noise(const Eigen::MatrixXd& channels) const;
 
   StructurePtr given_;
   std::shared_ptr<const ParameterisedStructure> structure_;

@@ -8,6 +8,7 @@
 #include "kalfem/identification/filter_likelihood.hpp"
 #include "kalfem/identification/fisher_information.hpp"
 #include "kalfem/inference/filter_posterior.hpp"
+#include "kalfem/inference/marginalised_numbers.hpp"
 #include "kalfem/inference/output_sensitivity.hpp"
 #include "kalfem/inference/predictive_bands.hpp"
 #include "kalfem/inference/sample_posterior.hpp"
@@ -124,6 +125,7 @@ InferenceResult infer(const InferenceProblem& problem, const Record& record, con
     add_bands(problem, record, result);
   }
   if (problem.sensitivity) add_sensitivity(problem, record, result);
+  drop_marginalised(problem.marginalised, result);
   result.seconds = watch.seconds();
   return result;
 }

@@ -41,7 +41,8 @@ struct InferenceProblem {
   EstimationProblemPtr problem;  ///< whose record it is; may be null where the likelihood is that of other data
   AugmentedModelSetup setup;     ///< the filter's model of it
   std::vector<InferredParameter> parameters;
-  JointPrior prior;  ///< of these parameters, in the same order
+  JointPrior prior;              ///< of these parameters, in the same order
+  std::size_t marginalised = 0;  ///< the last of them, which the result integrates out: marginalise_stated_numbers()
   LikelihoodKind likelihood = LikelihoodKind::filter;
   double correlation_time = 0.0;  ///< of the model's error, for simulations [s]
   PosteriorMethod method = PosteriorMethod::importance;

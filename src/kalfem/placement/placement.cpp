@@ -207,6 +207,11 @@ private:
     found_.remarks.push_back("With the best set: " +
                              identifiability(at_initial_->of_all(best).front(), parameters).text);
     remark_hidden();
+    if (!problem_.not_counted.empty())
+      found_.remarks.push_back(
+          "Numbers of the structure that known_to states are unknown beside the others; gains and "
+          "delays, such as '" +
+          problem_.not_counted.front() + "', are taken as exact here.");
     constexpr std::size_t most_named = 10;
     std::vector<std::string> still;
     for (const auto& candidate : found_.candidates)

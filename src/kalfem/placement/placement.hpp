@@ -26,7 +26,8 @@ struct PlacementProblem {
   Eigen::VectorXd initial;         ///< their initial values [unit]
   JointPrior prior;                ///< of these, independent
   std::size_t counted = 0;
-  SensorPlacementOptions options;  ///< scale and prior are those of the counted unknowns
+  std::vector<std::string> not_counted = {};  ///< stated numbers that the ranking leaves out: gains and delays
+  SensorPlacementOptions options;             ///< scale and prior are those of the counted unknowns
   int draws = 1;  ///< values of the unknowns from the prior that the choice is averaged over; 1: the initial values
   std::uint64_t seed = 1;
   Record drive;  ///< without channels: the samples of the expected record

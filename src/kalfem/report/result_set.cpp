@@ -13,6 +13,7 @@
 #include <string>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/regular_file.hpp"
@@ -28,8 +29,8 @@ using Json = nlohmann::ordered_json;
 using Names = std::vector<std::string>;
 
 /// In the order in which they are of interest.
-constexpr std::array main_files{"report.html", "summary.json", "results.h5", "case.resolved.yaml",
-                                "case.identified.yaml"};
+constexpr std::array main_files{"report.html",        "summary.json",         "results.h5",
+                                "case.resolved.yaml", "case.identified.yaml", "case.proposed.yaml"};
 
 bool is_main_file(const std::string& name) { return std::ranges::find(main_files, name) != main_files.end(); }
 
@@ -96,11 +97,17 @@ std::string identified_case(const IdentifiedCase& identified, const std::string&
   return "# run " + run + ", with the values that it found in the places of its parameters\n" + identified.yaml;
 }
 
+std::string proposed_case(const ProposedCase& proposed, const std::string& run) {
+  return fmt::format("# run {}, with what its record asks for:\n# {}\n{}", run, fmt::join(proposed.edits, "\n# "),
+                     proposed.yaml);
+}
+
 /// Writes the case as it ran, and with what it found.
 void write_cases(const fs::path& staging, const Study& study, const StudyResults& results, const std::string& run) {
   write_file_atomically(staging / "case.resolved.yaml", resolved_case(study, run));
   if (results.identified)
     write_file_atomically(staging / "case.identified.yaml", identified_case(*results.identified, run));
+  if (results.proposed) write_file_atomically(staging / "case.proposed.yaml", proposed_case(*results.proposed, run));
 }
 
 /// Writes summary.json beside the other files of the staging folder; their names, and the summary.

@@ -60,10 +60,10 @@ struct ResultSet {
 };
 
 /// Writes report.html, summary.json, results.h5, case.resolved.yaml, case.identified.yaml if the run identified
-/// something and is usable, the pictures and the superelements, and switches the folder to them in one step: of a
-/// former run nothing is left, files of others stay. Each of the first five carries run_identity(); `files` of
-/// summary.json lists them all. `run` runs since the start: timing.total_s. Throws as OutputFolder does, and leaves the
-/// former set in its place then.
+/// something and is usable, case.proposed.yaml if its record asks for an edit that holds on it, the pictures and the
+/// superelements, and switches the folder to them in one step: of a former run nothing is left, files of others stay.
+/// Each of the first five carries run_identity(); `files` of summary.json lists them all. `run` runs since the start:
+/// timing.total_s. Throws as OutputFolder does, and leaves the former set in its place then.
 ResultSet write_result_set(OutputFolder& folder, const Study& study, const StudyResults& results, const Stopwatch& run);
 
 /// Writes summary.json, case.resolved.yaml and case.identified.yaml of a run whose estimation has its first answer. The

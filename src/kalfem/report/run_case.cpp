@@ -97,7 +97,8 @@ CaseRun::CaseRun(const std::filesystem::path& case_file, const RunCaseOptions& o
   contents->study = load(case_file, options);
   const Study& study = contents->study;
   if (output) require_result_places(output->path(), study);
-  contents->results = run_study(study, options.last_step, {.progress = options.progress, .folder = options.folder});
+  contents->results =
+      run_study(contents->study, options.last_step, {.progress = options.progress, .folder = options.folder});
   contents->result = values_of(study, contents->results);
   if (output) {
     auto [files, removed, summary] = write_result_set(*output, study, contents->results, watch);

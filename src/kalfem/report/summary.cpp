@@ -114,6 +114,7 @@ Json summarise(const Study& study, const StudyResults& results) {
   add_steps(study, results, summary);
   if (results.identified)
     summary["identified"] = {{"file", "case.identified.yaml"}, {"notes", results.identified->notes}};
+  if (results.proposed) summary["proposed"] = {{"file", "case.proposed.yaml"}, {"edits", results.proposed->edits}};
   for (const auto& [path, bytes, sha256] : data_files(study))
     summary["data"].push_back({{"file", path.string()}, {"bytes", bytes}, {"sha256", sha256}});
   summary["run"] = run_identity(study, summary);

@@ -78,8 +78,9 @@ void add_updated(const Study& study, const UpdatingOutcome& outcome, std::vector
                             .unit = parameter.unit,
                             .own_unit = study.written_unit(parameter.name),
                             .value = value,
-                            .deviation = std::fmax(deviation_in(outcome.statistics.deviations, row),
-                                                   deviation_in(outcome.robust.deviations, row)),
+                            .deviation = std::hypot(std::fmax(deviation_in(outcome.statistics.deviations, row),
+                                                              deviation_in(outcome.robust.deviations, row)),
+                                                    outcome.considered ? outcome.considered->deviations[row] : 0.0),
                             .truth = study.updating->true_parameters[i]};
     if (std::isfinite(parameter.deviation)) own.prior = about(parameter.initial, parameter.deviation);
     if (interval) own.interval = Interval{interval->lower, interval->upper};

@@ -18,6 +18,8 @@ void judge(const Study& study, StudyResults& results) {
   for (const auto& reason : results.verdict.reasons())
     if (reason.state == VerdictState::suspicious) results.warnings.push_back(sentence_of(reason));
   results.identified = identified_case_of(study, results);
+  if (estimation && estimation->freed && estimation->freed->problem && !estimation->freed->taken)
+    results.proposed = propose(study, estimation->freed->kept());
 }
 
 void tell_first(const Study& study, const RunOptions& options, EstimationOutcome first, StudyResults& results) {

@@ -20,7 +20,7 @@ struct RunStep;
 
 /// A run on its way, as its steps see it: what it is of, what it has found, and what steps hand to later ones.
 struct RunContext {
-  const Study& study;
+  Study& study;  ///< as given; with `estimate.free: auto` its estimation may add unknowns
   const RunOptions& options;
   StudyResults& results;
   JobProgress& job;

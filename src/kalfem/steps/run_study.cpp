@@ -40,7 +40,7 @@ std::vector<PlannedStep> plan_of(const Study& study, const std::vector<const Run
 }
 
 /// One after the other; the first failure ends the run.
-void take_steps(const Study& study, std::string_view verb, const RunOptions& options, StudyResults& results) {
+void take_steps(Study& study, std::string_view verb, const RunOptions& options, StudyResults& results) {
   const auto taken = steps_of(verb, study);
   JobProgress job(plan_of(study, taken), options.progress);
   RunContext context{study, options, results, job, taken, study.augmented_model, std::nullopt};
@@ -51,6 +51,11 @@ void take_steps(const Study& study, std::string_view verb, const RunOptions& opt
 }  // namespace
 
 StudyResults run_study(const Study& study, std::string_view verb, const RunOptions& options) {
+  Study own = study;
+  return run_study(own, verb, options);
+}
+
+StudyResults run_study(Study& study, std::string_view verb, const RunOptions& options) {
   const Stopwatch watch;
   if (verb == every_step || verb == "estimate") require_no_stream(study);
   StudyResults results;

@@ -34,6 +34,11 @@ const Record& record_of(const Study& study, const StudyResults& results);
 /// Runs the steps that the case asks for and the verb takes: every_step, or the name of one in run_steps(), with those
 /// that it needs. An updating runs first, so the estimation and the prediction use the updated structure; inference and
 /// placement start from the case's own. Throws std::invalid_argument where no step has that name.
+///
+/// Where the case says `estimate.free: auto`, `study` becomes that of the case with the numbers that were freed among
+/// its unknowns: the results are its.
+StudyResults run_study(Study& study, std::string_view verb, const RunOptions& options = {});
+/// For studies that free nothing.
 StudyResults run_study(const Study& study, std::string_view verb, const RunOptions& options = {});
 
 }  // namespace kalfem

@@ -12,6 +12,7 @@
 
 #include "kalfem/base/phase_times.hpp"
 #include "kalfem/study/identified_case.hpp"
+#include "kalfem/study/proposed_case.hpp"
 #include "kalfem/verdict/verdict.hpp"
 
 namespace kalfem {
@@ -61,6 +62,7 @@ struct StudyResults : Outcomes {
   std::vector<std::string> warnings;  ///< about the results, in addition to those of the study
   Verdict verdict;
   std::optional<IdentifiedCase> identified;  ///< of a usable run with an estimation or an updating
+  std::optional<ProposedCase> proposed;      ///< an edit that the record asks for, tried on it
   std::string failure;                       ///< why a step failed, in words; empty if all ran to their end
   bool interrupted = false;                  ///< it was asked to stop
   PhaseTimes phases;  ///< "modes", "frequency_response", "diagnose", "validate", "verdict"; others have their `seconds`

@@ -233,7 +233,8 @@ EstimationProblem make_estimation_problem(const CaseStudy& study, IssueList& iss
                       .outliers = given.outliers,
                       .diagnose = given.diagnose,
                       .second_thoughts = given.second_thoughts.value_or(given.diagnose ? StepBudget::unlimited : 0.0),
-                      .smooth = given.smooth};
+                      .smooth = given.smooth,
+                      .free = given.free};
   problem.settings.unknown_inputs = unknown_inputs_of(study, issues);
   const StructureModel held = held_structure(study, issues);
   if (!issues.empty()) return problem;

@@ -6,6 +6,7 @@
 
 #include "kalfem/identification/expected_record.hpp"
 #include "kalfem/identification/unknown_prior.hpp"
+#include "kalfem/inference/marginalised_numbers.hpp"
 #include "kalfem/study/case_study.hpp"
 #include "kalfem/study/law_alternatives.hpp"
 #include "kalfem/study/stated_prior.hpp"
@@ -256,6 +257,7 @@ InferencePlan make_inference_plan(const CaseStudy& study, IssueList& issues) {
   plan.parameters = list.parameters();
   if (!issues.empty()) return plan;
   plan.prior = JointPrior(list.priors(), std::move(correlation));
+  if (plan.likelihood != LikelihoodKind::comparisons) marginalise_stated_numbers(plan, issues);
   if (given.laws) add_law_alternatives(study, plan, issues);
   return plan;
 }

@@ -7,10 +7,9 @@
 
 namespace kalfem {
 
-std::vector<KnownTo> known_to_of(const Named<description::Value>& given, const EstimationProblem& problem,
-                                 const StructureParts& parts, const AugmentedModelSetup& setup, IssueList& issues) {
-  EstimationProblem stated = problem;
-  const auto numbers = held_numbers(problem, parts, setup, {});
+std::vector<KnownTo> known_to_of(const Named<description::Value>& given, const std::vector<FixedNumber>& numbers,
+                                 IssueList& issues) {
+  std::vector<KnownTo> all;
   for (const auto& [name, value] : given) {
     KnownTo known{.name = name, .relative = value.value.per_cent, .location = value.location};
     const auto of_name =
@@ -19,11 +18,18 @@ std::vector<KnownTo> known_to_of(const Named<description::Value>& given, const E
       known.deviation = known.relative || of_name == numbers.end()
                             ? value.value.value
                             : checked_number(value, of_name->unit, Bounds::positive());
-      stated.settings.known_to.push_back(known);
+      all.push_back(known);
     } catch (const InvalidInput& error) {
       issues.add(error, value.location);
     }
   }
+  return all;
+}
+
+std::vector<KnownTo> known_to_of(const Named<description::Value>& given, const EstimationProblem& problem,
+                                 const StructureParts& parts, const AugmentedModelSetup& setup, IssueList& issues) {
+  EstimationProblem stated = problem;
+  stated.settings.known_to = known_to_of(given, held_numbers(problem, parts, setup, {}), issues);
   check_known_to(stated, parts, setup, issues);
   return stated.settings.known_to;
 }

@@ -31,6 +31,7 @@ void check_estimation(const d::Case& given, IssueList& issues) {
   refuse(estimate.smooth, "smooth");
   refuse(estimate.adaptive_noise.any(), "adaptive_noise");
   refuse(!estimate.known_to.empty(), "known_to");
+  refuse(estimate.free != FreeNumbers::ask, "free");
   refuse(estimate.local.has_value(), "local");
   for (const auto& [name, unknown] : estimate.unknown)
     if (is_measurement_unknown(name) && !name.ends_with(".offset"))

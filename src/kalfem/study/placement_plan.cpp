@@ -8,6 +8,7 @@
 
 #include "kalfem/identification/expected_record.hpp"
 #include "kalfem/identification/filter_run.hpp"
+#include "kalfem/identification/stated_unknowns.hpp"
 #include "kalfem/identification/unknown_prior.hpp"
 #include "kalfem/study/candidate_nodes.hpp"
 #include "kalfem/study/case_study.hpp"
@@ -312,8 +313,8 @@ MarginalPrior prior_in(const CaseStudy& study, const Unknown& unknown) {
 }
 
 void set_unknowns(const CaseStudy& study, PlacementPlan& plan, IssueList& issues) {
-  const auto& unknowns = study.problem->settings.unknowns;
-  plan.unknowns = counted_unknowns(unknowns, study.given.place->value.parameters, issues);
+  const auto& unknowns = plan.problem->settings.unknowns;
+  plan.unknowns = counted_unknowns(study.problem->settings.unknowns, study.given.place->value.parameters, issues);
   plan.counted = plan.unknowns.size();
   for (const auto& unknown : unknowns)
     if (unknown.random_walk == 0.0 && std::ranges::find(plan.unknowns, unknown.name) == plan.unknowns.end())
@@ -392,6 +393,11 @@ PlacementPlan make_placement_plan(const CaseStudy& study, IssueList& issues) {
   CandidateReader(study, plan, issues).read();
   if (!study.problem) return plan;
   plan.problem = study.problem;
+  if (study.augmented_model) {
+    const StatedUnknowns stated = with_stated_unknowns(study.problem, *study.augmented_model);
+    plan.problem = stated.problem;
+    plan.not_counted = stated.of_signals();
+  }
   try {
     set_unknowns(study, plan, issues);
   } catch (const InvalidInput& error) {

@@ -12,6 +12,7 @@
 #include "kalfem/formats/matrices.hpp"
 #include "kalfem/identification/record_residual.hpp"
 #include "kalfem/identification/simulation_residual.hpp"
+#include "kalfem/identification/stated_in_updating.hpp"
 #include "kalfem/updating/cma_es.hpp"
 #include "kalfem/updating/gauss_newton.hpp"
 
@@ -69,6 +70,8 @@ struct RecordComparison {
   SourceLocation location = {};
 };
 
+struct WideUpdating;
+
 /// The search for the updated parameters, and the comparisons that it minimises.
 struct UpdatingPlan {
   UpdatingMethod method = UpdatingMethod::least_squares;
@@ -82,6 +85,15 @@ struct UpdatingPlan {
   std::vector<RecordComparison> record_comparisons;
   SourceLocation location = {};  ///< of the parameters
   std::map<std::string, SourceLocation> parameter_locations = {};
+  std::vector<KnownTo> known_to = {};             ///< how well numbers are known that are held fixed
+  std::vector<FixedNumber> stated = {};           ///< numbers that are held fixed, and not known exactly
+  std::shared_ptr<const WideUpdating> wide = {};  ///< with those of the structure; null: nothing is stated
+};
+
+/// The comparisons as functions of the updated parameters and, behind them, of stated numbers of the structure.
+struct WideUpdating {
+  UpdatingSetup setup;
+  UpdatingPlan plan;
 };
 
 /// The updated structure with some of its parameters changed, to predict its natural frequencies.

@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
+#include "kalfem/identification/stated_in_updating.hpp"
 #include "kalfem/study/estimation_problem_of.hpp"
+#include "kalfem/study/known_to_of.hpp"
 #include "kalfem/study/spread.hpp"
 #include "kalfem/yaml/bounds.hpp"
 
@@ -138,6 +141,54 @@ void check_search(const CaseStudy& study, const UpdatingSetup& setup, IssueList&
                "increase or remove it");
 }
 
+/// Gains of what is compared, each once.
+std::vector<ComparedGain> gains_of(const CaseStudy& study, const UpdatingPlan& plan) {
+  std::vector<ComparedGain> all;
+  const auto add = [&](const ComparedGain& gain) {
+    if (std::ranges::find(all, gain) == all.end()) all.push_back(gain);
+  };
+  for (const auto& comparison : plan.comparisons)
+    for (const auto& gain : comparison.continuation_steps.back()->gains()) add(gain);
+  for (const auto& comparison : plan.record_comparisons)
+    if (const auto* simulated = std::get_if<RecordComparison::OfSimulation>(&comparison.what)) {
+      for (const auto& sensor : simulated->sensors) add({sensor.name + ".gain", false});
+      for (const auto& input : study.structure->parts.inputs) add({input.name + ".gain", true});
+    }
+  return all;
+}
+
+std::set<std::string> names_of_targets(const UpdatingSetup& updating) {
+  std::set<std::string> names;
+  for (const auto& [index, target] : updating.bindings) names.insert(target.name);
+  return names;
+}
+
+/// What is stated of numbers that are not updated, and the comparisons as functions of these.
+void add_stated(const CaseStudy& study, UpdatingPlan& plan) {
+  const d::Updating& given = *study.given.update;
+  if (given.known_to.empty()) return;
+  const auto updated = names_of_targets(*study.updating);
+  const auto held =
+      held_in_updating(*study.structure, updated, gains_of(study, plan), !plan.record_comparisons.empty());
+  IssueList issues;
+  const auto known_to = known_to_of(given.known_to, held, issues);
+  check_known_to(known_to, held, updated, issues);
+  issues.raise();
+  plan.known_to = known_to;
+  plan.stated = stated_numbers(held, known_to);
+  CaseStudy wide = study;
+  wide.updating = with_numbers(*study.updating, plan.stated);
+  UpdatingPlan over_all;
+  over_all.structure = std::make_shared<const ParameterisedStructure>(study.structure, wide.updating->bindings,
+                                                                      std::ssize(wide.updating->parameters));
+  std::vector<std::string> told_before;
+  add_comparisons(wide, over_all, told_before);
+  for (auto& comparison : over_all.record_comparisons)
+    if (auto* simulated = std::get_if<RecordComparison::OfSimulation>(&comparison.what))
+      simulated->options.connectors = connectors_of(wide.updating->bindings);
+  plan.wide = std::make_shared<const WideUpdating>(WideUpdating{*wide.updating, std::move(over_all)});
+}
+
 }  // namespace
 
 UpdatingSetup make_updating_setup(const CaseStudy& study, IssueList& issues) {
@@ -174,6 +225,7 @@ UpdatingPlan make_updating_plan(const CaseStudy& study, std::vector<std::string>
   for (const auto& parameter : parameters)
     plan.parameter_locations[parameter.name] = study.given.source.at({"update", "parameters", parameter.name});
   add_comparisons(study, plan, warnings);
+  add_stated(study, plan);
   return plan;
 }
 

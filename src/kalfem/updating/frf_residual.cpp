@@ -241,6 +241,49 @@ std::optional<ResidualValue> FrfResidual::evaluate(const VectorXd& parameters, b
   return std::nullopt;  // no structure, or none that holds itself
 }
 
+std::vector<ComparedGain> FrfResidual::gains() const {
+  std::vector<ComparedGain> all;
+  const auto add = [&](const ComparedGain& gain) {
+    if (std::ranges::find(all, gain) == all.end()) all.push_back(gain);
+  };
+  for (const auto& set : sets())
+    for (const auto& output : set.outputs) add({output + ".gain", false});
+  for (const auto& set : sets()) add({"input." + set.place + ".gain", true});
+  return all;
+}
+
+/// A measured response is a part of (output's gain) / (input's gain) larger than the true one.
+std::optional<MatrixXd> FrfResidual::by_gains(const VectorXd& parameters) const try {
+  const auto all = gains();
+  const auto model = model_responses(parameters);
+  ResidualValue by{VectorXd::Zero(size_), MatrixXd::Zero(size_, std::ssize(all))};
+  const Index parts = options_.form == FrfForm::log_magnitude ? 1 : 2;
+  Index row = 0;
+  for (std::size_t i = 0; i < compared_.size(); ++i) {
+    const auto& [values, deviations] = std::tie(compared_[i].values, compared_[i].deviations);
+    const Index first = row,
+                input = std::ranges::find(all, ComparedGain{"input." + sets()[i].place + ".gain", true}) - all.begin();
+    for (Index k = 0; k < values.rows(); ++k)
+      for (Index j = 0; j < values.cols(); ++j, row += parts) {
+        const Index output =
+            std::ranges::find(all, ComparedGain{sets()[i].outputs[static_cast<std::size_t>(j)] + ".gain", false}) -
+            all.begin();
+        const Complex change = options_.form == FrfForm::complex_difference
+                                   ? -model[i](k, j) / deviations(k, j)
+                                   : Complex(-std::abs(values(k, j)) / deviations(k, j));
+        for (const auto& [column, sign] : {std::pair(output, 1.0), std::pair(input, -1.0)}) {
+          by.jacobian(row, column) += sign * change.real();
+          if (parts == 2) by.jacobian(row + 1, column) += sign * change.imag();
+        }
+      }
+    for (const auto& columns : scaled_together(values.cols(), options_.scale))
+      take_out_scale(compared_[i], columns, first, parts, by);
+  }
+  return by.jacobian;
+} catch (const InvalidInput&) {
+  return std::nullopt;
+}
+
 RowLayout FrfResidual::layout() const {
   std::vector<double> lines;
   for (const auto& compared : compared_) lines.insert(lines.end(), compared.lines.begin(), compared.lines.end());

@@ -80,6 +80,10 @@ public:
   [[nodiscard]] std::optional<ResidualValue> evaluate(const Eigen::VectorXd& parameters,
                                                       bool with_jacobian) const override;
 
+  /// Of each output, shared by all inputs ("tip.z.gain"), and of what measures each input ("input.tip.z.gain").
+  [[nodiscard]] std::vector<ComparedGain> gains() const override;
+  [[nodiscard]] std::optional<Eigen::MatrixXd> by_gains(const Eigen::VectorXd& parameters) const override;
+
   /// What is compared, smoothed, one entry a set; deviations are filled in.
   [[nodiscard]] const std::vector<FrequencyResponse>& compared() const { return compared_; }
   /// Inputs and outputs, one entry a set.

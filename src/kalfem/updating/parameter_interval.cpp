@@ -27,9 +27,10 @@ std::optional<ParameterInterval> parameter_interval(const UpdatingParameter& par
                                                     const RobustStatistics& robust) {
   if (i >= statistics.deviations.size() || !std::isfinite(statistics.deviations[i])) return {};
   const double stated = normal_quantile(upper_tail) * statistics.deviations[i], wide = robust_half_width(robust, i);
-  const double half = std::max(stated, wide);
+  const double added = i < statistics.considered.size() ? statistics.considered[i] : 0.0;
+  const double half = std::hypot(std::max(stated, wide), normal_quantile(upper_tail) * added);
   return ParameterInterval{std::max(value - half, parameter.lower), std::min(value + half, parameter.upper),
-                           wide > stated};
+                           wide > stated, added > 0.0};
 }
 
 }  // namespace kalfem

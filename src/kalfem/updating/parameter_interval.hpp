@@ -11,12 +11,14 @@ namespace kalfem {
 struct ParameterInterval {
   double lower = 0.0, upper = 0.0;  ///< [unit of the parameter]
   bool robust = false;              ///< it comes from the robust standard deviation, whose interval is the wider one
+  bool considered = false;          ///< it holds what is stated of numbers that are held fixed
 };
 
 /// The wider one of
 ///     theta -+ 1.96 std    and    theta -+ t std_robust,
 /// with the 97.5 % quantile t of Student's distribution for the degrees of freedom of the robust deviation, cut at the
-/// bounds. Empty where there is no deviation: at a bound, held, undetermined.
+/// bounds; by squares wider by 1.96 of what stated fixed numbers add to the deviation. Empty where there is no
+/// deviation: at a bound, held, undetermined.
 std::optional<ParameterInterval> parameter_interval(const UpdatingParameter& parameter, Eigen::Index i, double value,
                                                     const ParameterStatistics& statistics,
                                                     const RobustStatistics& robust);

@@ -45,6 +45,8 @@ struct ParameterStatistics {
   std::vector<UnidentifiableCombination> unidentifiable;  ///< each of two parameters or more
   std::vector<CorrelatedPair> correlated;                 ///< not those of one unidentifiable combination
   std::vector<bool> at_bound;                             ///< ended at a bound, and the residual pulls beyond it
+  /// What stated numbers that are held fixed add to the deviations; empty: nothing is stated. See consider().
+  Eigen::VectorXd considered = {};
 };
 
 /// Statistics of theta at the minimum of |r|^2 / 2 and the priors' share, from the residual and its Jacobian there:

@@ -25,6 +25,8 @@ RowLayout Residual::layout() const {
   return layout;
 }
 
+std::optional<Eigen::MatrixXd> Residual::by_gains(const Eigen::VectorXd&) const { return Eigen::MatrixXd(size(), 0); }
+
 RowLayout layout_of_series(Index samples, Index series) {
   RowLayout layout{.ordered = true, .steps = "samples", .parts = "sensors"};
   for (Index row = 0; row < samples * series; ++row) {

@@ -49,6 +49,14 @@ struct RowLayout {
   std::string steps, parts;  ///< in words, plural: "samples", "sensors"
 };
 
+/// The gain of a channel that a residual compares: of a sensor, or of what measures the input.
+struct ComparedGain {
+  std::string name;  ///< "a3.gain"
+  bool of_input = false;
+
+  bool operator==(const ComparedGain&) const = default;
+};
+
 /// A comparison of a model with measurements, as a function of the parameters. Evaluations may run in several threads.
 class Residual {
 public:
@@ -62,6 +70,11 @@ public:
   /// Nothing where the model has no response there (a negative stiffness): an optimiser then takes a shorter step.
   [[nodiscard]] virtual std::optional<ResidualValue> evaluate(const Eigen::VectorXd& parameters,
                                                               bool with_jacobian) const = 0;
+  /// Gains on which what was measured depends.
+  [[nodiscard]] virtual std::vector<ComparedGain> gains() const { return {}; }
+  /// dr / d gain of each, size x gains, with the channels as the model has them: recorded ones hold their noise, too.
+  /// Nothing where the model has no response.
+  [[nodiscard]] virtual std::optional<Eigen::MatrixXd> by_gains(const Eigen::VectorXd& parameters) const;
 };
 using ResidualPtr = std::shared_ptr<const Residual>;
 

@@ -98,7 +98,7 @@ std::string lasting_text(Json summary) {
 }
 
 std::string summary_of(const Combination& combination, std::optional<int> seed) {
-  const Study& study = combination.study;
+  Study study = combination.study;
   StudyResults results;
   RunOptions options;
   if (combination.reference) {

@@ -36,6 +36,7 @@ std::string parameters_told(const Study& study, const EstimationOutcome& outcome
   if (outcome.fixed_numbers)
     text += considered_words(outcome) + "Numbers that are held fixed, those that matter most\n" +
             to_text(sensitivity_table(outcome, most_fixed_numbers)) + "\n";
+  if (outcome.freed) text += freed_words(*outcome.freed);
   if (outcome.inputs.empty()) return text;
   text += "Unknown excitations\n" + to_text(input_table(outcome)) + "\n";
   if (const auto words = hardly_known_words(outcome); !words.empty()) text += words + "\n\n";

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "kalfem/diagnosis/fixed_number_reasons.hpp"
+#include "kalfem/identification/asked_numbers.hpp"
 #include "kalfem/page/json_number.hpp"
 #include "kalfem/page/words.hpp"
 #include "kalfem/steps/estimation/report.hpp"

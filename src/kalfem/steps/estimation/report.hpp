@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "kalfem/identification/freed_numbers.hpp"
 #include "kalfem/identification/frequency_course.hpp"
 #include "kalfem/identification/record_estimate.hpp"
 #include "kalfem/page/page.hpp"
@@ -75,6 +76,11 @@ nlohmann::ordered_json sensitivity_summary(const RecordEstimate& estimate);
 Table sensitivity_table(const RecordEstimate& estimate, std::size_t most);
 /// "k: of +- 0.31 N, 0.09 are noise, 0.3 'm3'": a line each unknown; empty where nothing is stated of fixed numbers.
 std::string considered_words(const RecordEstimate& estimate);
+
+/// The object "freed": fixed numbers that the record asks to change, tried as unknowns, and what those kept move.
+nlohmann::ordered_json freed_summary(const FreedNumbers& freed);
+/// The same in sentences, a line each; empty where none was tried.
+std::string freed_words(const FreedNumbers& freed);
 
 /// Natural frequencies over the record for summary.json: each with its range and its last value.
 nlohmann::ordered_json frequencies_summary(const FrequencyCourse& course);

@@ -42,6 +42,8 @@ Section adaptive_noise_section(const RecordEstimate& estimate);
 Section process_noise_section(const RecordEstimate& estimate);
 /// Numbers that were held fixed, and what they do to the estimates.
 Section sensitivity_section(const RecordEstimate& estimate);
+/// Fixed numbers that were tried as unknowns, and the estimates before and after.
+Section freed_section(const FreedNumbers& freed);
 /// Natural frequencies over the record: a table, and each over time with its 95 % band.
 Section frequencies_section(const FrequencyCourse& course);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kalfem/diagnosis/look_for_cause.hpp"
+#include "kalfem/identification/freed_numbers.hpp"
 #include "kalfem/steps/estimation/compute.hpp"
 #include "kalfem/steps/estimation/report.hpp"
 #include "kalfem/steps/estimation/sections.hpp"
@@ -51,6 +52,7 @@ void estimate(RunContext& context) {
       study, *context.augmented_model, results, updated_parameters(context), context.job.begin("estimate"),
       [&](EstimationOutcome first) { tell_first(study, context.options, std::move(first), results); }));
   results.failure = outcome.failure();
+  if (outcome.freed && outcome.freed->taken) context.study = study_with(study, outcome.freed->kept());
   const StructureParts& parts = context.updated ? *context.updated : study.structure->parts;
   diagnose(context, parts, outcome);
   if (!results.complete()) return;
@@ -84,6 +86,7 @@ void summarise(const Study& study, const StudyResults& results, Json& summary) {
   if (outcome.result.noise) estimation["adaptive_noise"] = adaptive_noise_summary(outcome);
   if (!outcome.process_noise.empty()) estimation["process_noise"] = process_noise_summary(outcome);
   if (outcome.fixed_numbers) summary["sensitivity"] = sensitivity_summary(outcome);
+  if (outcome.freed && !outcome.freed->tried.empty()) summary["freed"] = freed_summary(*outcome.freed);
   if (!outcome.events.empty()) summary["events"] = events_summary(outcome);
   if (outcome.frequencies) summary["frequencies"] = frequencies_summary(*outcome.frequencies);
   if (outcome.smoothed) summary["smoothed"] = smoothed_summary(outcome);
@@ -107,6 +110,7 @@ std::vector<PlacedSection> sections(const Study& study, const StudyResults& resu
   add(study.record ? PagePlace::measured : PagePlace::sensors, sensors_section(study, outcome));
   if (outcome.augmented_model->layout().unknowns > 0) add(PagePlace::parameters, parameters_section(study, outcome));
   if (outcome.fixed_numbers) add(PagePlace::parameters, sensitivity_section(outcome));
+  if (outcome.freed && !outcome.freed->tried.empty()) add(PagePlace::parameters, freed_section(*outcome.freed));
   if (outcome.frequencies) add(PagePlace::motion, frequencies_section(*outcome.frequencies));
   if (outcome.result.noise) add(PagePlace::motion, adaptive_noise_section(outcome));
   if (!outcome.process_noise.empty()) add(PagePlace::motion, process_noise_section(outcome));

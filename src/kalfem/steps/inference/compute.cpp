@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "kalfem/base/stopwatch.hpp"
+#include "kalfem/identification/expected_record.hpp"
+#include "kalfem/identification/own_information.hpp"
 #include "kalfem/inference/infer.hpp"
 #include "kalfem/inference/law_ranking.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
@@ -58,6 +60,22 @@ LawRanking ranking_of(const InferencePlan& plan, const Record& record, Likelihoo
 std::optional<Identifiability> identifiability_before(const Study& study) {
   if (study.inference->likelihood == LikelihoodKind::comparisons || !study.problem) return std::nullopt;
   return expected_identifiability(*study.inference, time_of(study));
+}
+
+std::optional<Identifiability> told_by_sensors(const Study& study) try {
+  constexpr Eigen::Index most_samples = 4000;  // which tell what can be told apart at all
+  if (!study.problem || study.problem->settings.local) return std::nullopt;
+  IssueList unknown;
+  check_excitation_is_known(*study.problem, unknown);
+  if (!unknown.empty()) return std::nullopt;
+  Record time = time_of(study);
+  time.values.conservativeResize(time.values.rows(), std::min(time.values.cols(), most_samples));
+  if (time.used) time.used = std::min(*time.used, time.samples());
+  const auto own = own_information(study.problem, time);
+  if (!own || !own->information.allFinite()) return std::nullopt;
+  return identifiability(own->information, own->parameters);
+} catch (const InvalidInput&) {
+  return std::nullopt;  // nothing can be foreseen
 }
 
 InferenceOutcome run_inference(const Study& study, const StudyResults& results, const RunOptions& options) {

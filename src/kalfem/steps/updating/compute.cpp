@@ -322,6 +322,23 @@ std::string failure_at_first_values(const Study& study, const std::vector<Compar
          "these values or the priors of the filter's unknowns";
 }
 
+/// What stated numbers add at the end of the search; the residual there becomes that with the numbers as the data ask
+/// for within what is stated.
+void consider_stated(const Study& study, const StudyResults& results, UpdatingOutcome& updating, ResidualValue& last) {
+  const UpdatingPlan& plan = *study.updating_plan;
+  if (plan.stated.empty()) return;
+  Study wide = study;
+  wide.updating = plan.wide->setup;
+  wide.updating_plan = plan.wide->plan;
+  std::vector<ResidualSum::Term> terms;
+  for (const auto& each : all_comparisons(wide, results))
+    terms.push_back({each.continuation_steps.back(), each.weight});
+  const auto& parameters = study.updating->parameters;
+  updating.considered = kalfem::consider_stated(plan.stated, parameters, updating.values,
+                                                parameter_statistics(parameters, updating.values, last), last, terms);
+  if (updating.considered) last.values = updating.considered->residual;
+}
+
 std::string unusable(const UpdatingOutcome& updating, const LastResidual& last) {
   if (!last || !std::isfinite(updating.residual_final) || !updating.values.allFinite())
     return "the updating found no parameter values at which the model has a response";
@@ -374,10 +391,12 @@ UpdatingOutcome run_updating(const Study& study, const StudyResults& results, co
                                         : search_from_one_start(study, comparisons, *first, options, updating);
   explain_end(study, comparisons, residual, updating);
   if (!last || last->jacobian.size() == 0) last = residual.evaluate(updating.values, true);
+  if (last && last->jacobian.size() > 0) consider_stated(study, results, updating, *last);
   if (last) updating.residual_final = rms_of(0.5 * last->values.squaredNorm(), residual.size());
   failure = unusable(updating, last);
   if (failure.empty()) {
     updating.statistics = parameter_statistics(parameters, updating.values, *last);
+    if (updating.considered) updating.statistics.considered = updating.considered->deviations;
     updating.robust = robust_statistics(parameters, *last, blocks_of(comparisons), updating.statistics);
     updating.remarks = parameter_findings(parameters, updating.values, updating.statistics);
     compare(study, comparisons, *first, *last, updating);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "kalfem/updating/considered.hpp"
 #include "kalfem/updating/gauss_newton.hpp"
 #include "kalfem/updating/modal_residual.hpp"
 #include "kalfem/updating/parameter_statistics.hpp"
@@ -61,9 +62,10 @@ struct UpdatingOutcome {
   Eigen::VectorXd values;  ///< one per parameter
   ParameterStatistics statistics;
   RobustStatistics robust;
-  std::vector<std::string> remarks;  ///< parameters that the data cannot identify, one sentence each
-  std::optional<Termination> end;    ///< of the least-squares search; nothing if there was none
-  std::string termination;           ///< why it stopped, in words
+  std::optional<Considered> considered;  ///< what stated fixed numbers add; nothing where nothing is stated
+  std::vector<std::string> remarks;      ///< parameters that the data cannot identify, one sentence each
+  std::optional<Termination> end;        ///< of the least-squares search; nothing if there was none
+  std::string termination;               ///< why it stopped, in words
   bool converged = false;
   double residual_initial = 0.0, residual_final = 0.0;  ///< rms of the weighted residual
   int evaluations = 0, iterations = 0;

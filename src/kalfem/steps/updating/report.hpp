@@ -11,6 +11,10 @@
 
 namespace kalfem {
 
+/// "k1: of +- 31 N/m, 9 are of what was measured, 30 't.2.mass'": a line each parameter. `outcome` has what stated
+/// numbers add.
+std::string considered_words(const Study& study, const UpdatingOutcome& outcome);
+
 /// The object "updating" of summary.json.
 nlohmann::ordered_json updating_summary(const Study& study, const UpdatingOutcome& outcome);
 

@@ -32,7 +32,7 @@ const char* to_string(Seen seen) {
 Json parameters_of(const Study& study, const UpdatingOutcome& outcome) {
   Json all = Json::object();
   const auto& [deviations, covariance, correlation, to_prior, freedom, chi, variance_inflation, seen, unidentifiable,
-               pairs, at_bound] = outcome.statistics;
+               pairs, at_bound, considered] = outcome.statistics;
   const auto& robust = outcome.robust.deviations;
   for (std::size_t i = 0; i < study.updating->parameters.size(); ++i) {
     const auto& parameter = study.updating->parameters[i];
@@ -51,8 +51,10 @@ Json parameters_of(const Study& study, const UpdatingOutcome& outcome) {
     if (const auto interval =
             parameter_interval(parameter, index, outcome.values[index], outcome.statistics, outcome.robust)) {
       own["interval_95"] = {number(interval->lower), number(interval->upper)};
-      own["interval_95_from"] = interval->robust ? "std_robust" : "std";
+      own["interval_95_from"] = interval->considered ? "std_considered" : interval->robust ? "std_robust" : "std";
     }
+    if (index < considered.size() && std::isfinite(deviations[index]))
+      own["std_considered"] = number(std::hypot(deviations[index], considered[index]));
     if (i < seen.size()) own["informed"] = to_string(seen[i]);
     if (i < at_bound.size() && at_bound[i]) own["at_bound"] = true;
   }
@@ -134,6 +136,30 @@ Json minima_of(const Study& study, const UpdatingOutcome& outcome) {
   return list;
 }
 
+/// Stated numbers, the change within what is stated that the data ask for, and what each does to the parameters.
+Json considered_of(const Study& study, const Considered& considered) {
+  Json all = Json::array();
+  const auto& stated = study.updating_plan->stated;
+  for (std::size_t i = 0; i < stated.size(); ++i) {
+    const auto column = static_cast<Index>(i);
+    Json shift = Json::object(), adds = Json::object();
+    for (std::size_t j = 0; j < study.updating->parameters.size(); ++j) {
+      const auto row = static_cast<Index>(j);
+      shift[study.updating->parameters[j].name] = number(considered.shift(row, column) / stated[i].scale);
+      adds[study.updating->parameters[j].name] = number(considered.by_number(row, column));
+    }
+    all.push_back({{"name", stated[i].name},
+                   {"group", group_of(stated[i].kind)},
+                   {"unit", stated[i].unit},
+                   {"value", number(stated[i].value)},
+                   {"known_to", number(stated[i].deviation * stated[i].scale)},
+                   {"allowed_change", number(considered.allowed[column] * stated[i].scale)},
+                   {"shift", shift},
+                   {"adds", adds}});
+  }
+  return all;
+}
+
 Json sensitivities_of(const UpdatingOutcome& outcome) {
   Json all = Json::object();
   for (const auto& each : outcome.sensitivities)
@@ -159,6 +185,7 @@ Json updating_summary(const Study& study, const UpdatingOutcome& outcome) {
   if (outcome.statistics.reduced_chi_squared)
     summary["reduced_chi_squared"] = number(*outcome.statistics.reduced_chi_squared);
   if (outcome.robust.deviations.size() > 0) summary["robust"] = robust_of(outcome.robust);
+  if (outcome.considered) summary["considered"] = considered_of(study, *outcome.considered);
   Json correlation = Json::array(), covariance = Json::array();
   for (Index i = 0; i < outcome.statistics.correlation.rows(); ++i) {
     correlation.push_back(numbers(outcome.statistics.correlation.row(i).transpose()));

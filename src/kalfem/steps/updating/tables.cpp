@@ -70,9 +70,10 @@ Table updated_parameter_table(const Study& study, const UpdatingOutcome& outcome
     table.rows.push_back(
         {parameter.name, shown.unit(), shown.value(parameter.initial), shown.value(value, std),
          interval ? shown.value(interval->lower, std) + " to " + shown.value(interval->upper, std) : "-",
-         !interval          ? "-"
-         : interval->robust ? "robust std"
-                            : "std",
+         !interval              ? "-"
+         : interval->considered ? "known_to"
+         : interval->robust     ? "robust std"
+                                : "std",
          parameter.initial != 0.0 ? signed_per_cent(value / parameter.initial - 1.0) : "-",
          deviation(outcome.statistics.deviations), deviation(outcome.robust.deviations),
          truth ? shown.value(*truth) : "-", truth && *truth != 0.0 ? signed_per_cent(value / *truth - 1.0) : "-"});
@@ -175,6 +176,22 @@ Table before_and_after_table(const Study& study, const StudyResults& results) {
   return table;
 }
 
+std::string considered_words(const Study& study, const UpdatingOutcome& outcome) {
+  std::string words;
+  const auto& considered = *outcome.considered;
+  for (Index j = 0; j < considered.by_number.rows(); ++j) {
+    const double noise = outcome.statistics.deviations[j];
+    if (!std::isfinite(noise)) continue;
+    Index largest = 0;
+    const double most = considered.by_number.row(j).maxCoeff(&largest);
+    const auto& parameter = study.updating->parameters[static_cast<std::size_t>(j)];
+    words += fmt::format("  {}: of +- {:.2g} {}, {:.2g} are of what was measured, {:.2g} '{}'\n", parameter.name,
+                         std::hypot(noise, considered.deviations[j]), parameter.unit, noise, most,
+                         study.updating_plan->stated[static_cast<std::size_t>(largest)].name);
+  }
+  return words;
+}
+
 std::string updating_answer(const UpdatingOutcome& outcome) {
   return fmt::format("{} of the model updated: the residual decreased from {} to {} standard deviations.",
                      counted(outcome.values.size(), "parameter"), four_digits(outcome.residual_initial),
@@ -193,6 +210,7 @@ std::string console_updating(const Study& study, const StudyResults& results) {
   text += section("Updated parameters", updated_parameter_table(study, outcome));
   for (const auto& remark : outcome.remarks) text += "  " + remark + "\n";
   if (!outcome.remarks.empty()) text += "\n";
+  if (outcome.considered) text += considered_words(study, outcome) + "\n";
   text += section("Comparisons (standard deviations)", comparison_table(outcome));
   for (const auto& each : outcome.comparisons)
     if (!each.derivatives.empty()) text += "  derivatives of '" + each.name + "' by " + each.derivatives + "\n\n";

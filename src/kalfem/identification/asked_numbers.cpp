@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kalfem/identification/asked_numbers.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kalfem/identification/stated_interval.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+
+namespace {
+
+constexpr double matters = 1.0;  ///< standard deviations of an unknown
+constexpr double part_of_substep = 0.5;
+
+/// Whether a run with the change found at least half of the rise of ln L that its linear prediction promises.
+bool is_confirmed(const FixedNumberStudy& study, Index i) {
+  return study.any_stated() || study.confirmed[i] > 0.5 * study.gain[i];
+}
+
+/// Connector forces that are polynomials over a substep act like a delay of a part of it.
+bool is_beyond_the_step(const RecordEstimate& estimate, Index i) {
+  const double substep = 1.0 / (estimate.measurements.sample_rate * estimate.substeps.substeps);
+  return !estimate.fixed_numbers->numbers[static_cast<std::size_t>(i)].is_delay() ||
+         std::abs(estimate.fixed_numbers->asked[i]) > part_of_substep * substep;
+}
+
+bool moves_an_unknown(const RecordEstimate& estimate, Index i) {
+  return std::abs(furthest_shift(estimate, i).deviations * estimate.fixed_numbers->asked[i]) > matters;
+}
+
+}  // namespace
+
+double interval_deviation(const RecordEstimate& estimate, Index unknown) {
+  const auto interval = stated_interval(estimate, unknown);
+  return (interval.upper - interval.lower) / (2.0 * 1.96);
+}
+
+FurthestShift furthest_shift(const RecordEstimate& estimate, Index i) {
+  FurthestShift furthest;
+  const auto shift = estimate.fixed_numbers->shift.col(i);
+  for (Index j = 0; j < shift.size(); ++j) {
+    const double deviation = interval_deviation(estimate, j);
+    const double deviations = deviation > 0.0 ? shift[j] / deviation : 0.0;
+    if (std::abs(deviations) > std::abs(furthest.deviations)) furthest = {j, deviations};
+  }
+  return furthest;
+}
+
+std::vector<Index> asked_numbers(const RecordEstimate& estimate) {
+  std::vector<Index> asked;
+  if (!estimate.fixed_numbers) return asked;
+  const auto& study = *estimate.fixed_numbers;
+  for (Index i = 0; i < study.size(); ++i)
+    if (study.is_significant(i) && is_confirmed(study, i) && is_beyond_the_step(estimate, i)) asked.push_back(i);
+  if (std::ranges::none_of(asked, [&](Index i) { return moves_an_unknown(estimate, i); })) return {};
+  std::ranges::stable_sort(asked, std::ranges::greater{}, [&](Index i) { return study.gain[i]; });
+  return asked;
+}
+
+}  // namespace kalfem
