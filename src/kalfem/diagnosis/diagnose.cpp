@@ -29,7 +29,7 @@ constexpr Index fewest_samples = 1500;  ///< of the record, where it has as many
 constexpr Index fewest_raced = 200;     ///< of it, in a race
 constexpr double worth_refining = 0.2;  ///< part of the best's rise
 constexpr double significant = 20.0;    ///< rise of the log-likelihood
-constexpr double worth_looking = 0.1;   ///< part of the best's rise: a law that is looked into
+constexpr double worth_looking = 0.1;   ///< part of the best's rise: a second law that is looked into
 constexpr double worth_telling = 0.01;  ///< part of the rise: a further force of a law
 constexpr std::size_t most_laws = 3;    ///< connectors whose laws are looked into term by term
 constexpr std::size_t most_terms = 3;   ///< of one law
@@ -188,7 +188,8 @@ private:
     double best = 0.0;
     for (const std::size_t h : best_first(given)) {
       if (explains(hypotheses_[h], scores_[h])) best = std::max(best, gain(h, given));
-      if (hypotheses_[h].code == "wrong_law" && laws.size() < plan_.laws && gain(h, given) >= worth_looking * best)
+      if (hypotheses_[h].code == "wrong_law" && laws.size() < plan_.laws &&
+          (laws.empty() || gain(h, given) >= worth_looking * best))
         laws.push_back(h);
     }
     for (const std::size_t h : laws) {
