@@ -22,7 +22,10 @@ constexpr double farther = 20.0;  ///< than its first guesses a place is not sou
 /// Parts of the largest deformation at which a stop is tried first.
 std::vector<double> places(double largest) { return {0.35 * largest, 0.55 * largest, 0.75 * largest}; }
 
-ExpressionState state(const std::string& rate) { return {{"z", "m", "of the further term"}, rate}; }
+ExpressionState state(const std::string& rate) {
+  const LawQuantity z{"z", "m", "of the further term"};
+  return {z, rate};
+}
 
 void add_stops(const ConnectorMotion& motion, double force, std::vector<LawTerm>& terms) {
   const double upper = motion.largest_deformation, lower = -motion.least_deformation;
