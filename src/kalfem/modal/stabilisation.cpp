@@ -28,8 +28,10 @@ const StatePole* weighted_quantile(std::vector<const StatePole*> poles, double s
   std::ranges::sort(poles, {}, [&](const StatePole* pole) { return std::invoke(value, *pole); });
   double left = 0.0;
   for (const auto* pole : poles) left += share * weight(*pole);
-  for (const auto* pole : poles)
-    if ((left -= weight(*pole)) <= 0.0) return pole;
+  for (const auto* pole : poles) {
+    left -= weight(*pole);
+    if (left <= 0.0) return pole;
+  }
   return poles.back();
 }
 
