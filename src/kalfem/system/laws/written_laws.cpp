@@ -16,7 +16,7 @@ namespace {
 
 class WrittenLaw final : public ConnectorLaw {
 public:
-  WrittenLaw(std::string name, ExpressionLawOptions options)
+  WrittenLaw(std::string name, const ExpressionLawOptions& options)
       : name_(std::move(name)), parameters_(options.parameters), law_(expression_law(options)) {}
 
   [[nodiscard]] std::string name() const override { return name_; }
@@ -32,8 +32,8 @@ private:
   ConnectorLawPtr law_;
 };
 
-ConnectorLawPtr written(std::string name, ExpressionLawOptions options) {
-  return std::make_shared<WrittenLaw>(std::move(name), std::move(options));
+ConnectorLawPtr written(std::string name, const ExpressionLawOptions& options) {
+  return std::make_shared<WrittenLaw>(std::move(name), options);
 }
 
 }  // namespace
