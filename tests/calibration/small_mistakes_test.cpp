@@ -39,8 +39,8 @@ TEST(SmallMistakes, AreNotSilentlyWrong) {
     const auto given = random_record(static_cast<std::uint64_t>(seed));
     std::mt19937_64 generator(static_cast<std::uint64_t>(seed) + 77);
     std::uniform_real_distribution<double> uniform(0.0, 1.0);
-    const double size = 0.005 * std::pow(16.0, uniform(generator)),
-                 factor = 1.0 + (uniform(generator) < 0.5 ? -size : size);
+    const double size = 0.005 * std::pow(16.0, uniform(generator));
+    double factor = 1.0 + (uniform(generator) < 0.5 ? -size : size);
     const auto fixed = fixed_parameters(given);
     const auto sensors = given.options.sensors.size(), all = fixed.size() + sensors;
     const auto chosen = std::min(all - 1, static_cast<std::size_t>(uniform(generator) * static_cast<double>(all)));
@@ -49,6 +49,7 @@ TEST(SmallMistakes, AreNotSilentlyWrong) {
     std::string name;
     if (chosen < fixed.size()) {
       name = fixed[chosen];
+      if (factor * model.value(name) < 1.0 && name.ends_with(".n")) factor = 2.0 - factor;  // a sharpness is at least 1
       model = model.at({{name, factor * model.value(name)}});
     } else {
       name = given.options.sensors[chosen - fixed.size()].name;
