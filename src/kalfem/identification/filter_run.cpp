@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
+#include <limits>
 #include <sstream>
 #include <thread>
 
@@ -63,6 +64,20 @@ MatrixXd inputs_of(const EstimationProblem& problem, const AugmentedModelSetup& 
     }
   }
   return inputs;
+}
+
+/// The sensors' channels. The filter learns from their samples as long as samples determine the inputs between them.
+Record channels_of_sensors(const EstimationProblem& problem, const AugmentedModelSetup& setup, const Record& record) {
+  Record measured = select_channels(record, names_of(setup.sensors));
+  const auto& parts = problem.structure->parts;
+  double until = std::numeric_limits<double>::infinity();
+  for (std::size_t j = 0; j < parts.inputs.size(); ++j)
+    if (std::ranges::find(setup.input_sources, parts.inputs[j].name) != setup.input_sources.end())
+      until = std::min(until, problem.structure->signals[j]->determined_until());
+  Index used = measured.samples_used();
+  while (used > 0 && measured.time(used - 1) > until) --used;
+  if (used < measured.samples_used()) measured.used = used;
+  return measured;
 }
 
 /// Prior standard deviation of a sensor's rest position; 0 where it is known.
@@ -257,7 +272,7 @@ void try_chosen_filter(const EstimationProblemPtr& problem, const AugmentedModel
 FilterRun make_filter_run(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
                           std::optional<StateCoordinates> coordinates) {
   FilterRun run;
-  run.input.measured = select_channels(record, names_of(setup.sensors));
+  run.input.measured = channels_of_sensors(*problem, setup, record);
   run.input.inputs = inputs_of(*problem, setup, record);
   run.input.noise = run.input.measured.noise().cwiseAbs2().asDiagonal();
   choose_with_start(problem, setup, record, coordinates, run);
@@ -268,7 +283,7 @@ FilterRun make_filter_run_like(const FilterRun& first, const EstimationProblemPt
                                const AugmentedModelSetup& setup, const Record& record,
                                std::optional<StateCoordinates> coordinates) {
   FilterRun run{first.choice, {}, first.start};
-  run.input.measured = select_channels(record, names_of(setup.sensors));
+  run.input.measured = channels_of_sensors(*problem, setup, record);
   const bool driven_by_sensors = std::ranges::any_of(setup.input_sources, is_sensor);
   run.input.inputs = driven_by_sensors ? inputs_of(*problem, setup, record) : first.input.inputs;
   run.input.noise = run.input.measured.noise().cwiseAbs2().asDiagonal();

@@ -30,6 +30,7 @@ constexpr double slight = 0.3;            ///< excess of NIS about which scores 
 constexpr double most_left = 0.5;         ///< of the excess of NIS, where the change explains it
 constexpr double little_left = 0.05;      ///< of it, where nothing else is to be explained
 constexpr double unlikely = 3.7;          ///< log-likelihood below the largest, out of the interval of a place
+constexpr Index fewest_behind = 10;       ///< samples behind a change: a few large innovations at the end are none
 constexpr double band = 1.96;             ///< standard deviations of a change
 constexpr Index stretches = 40;           ///< of a run that forgets
 constexpr double clear_levels = 10.0;     ///< gain of two levels, or of a slow course, over one level
@@ -206,7 +207,7 @@ private:
       ChangeTrial placed = trials_.placed(std::move(trials[i]), stretch_);
       if (i == 0 || placed.log_likelihood() > best.log_likelihood()) best = std::move(placed);
     }
-    if (best.result.failure) return std::nullopt;
+    if (best.result.failure || input_.measured.samples_used() - best.sample < fewest_behind) return std::nullopt;
     const auto& [mean, deviation] = best.result.unknowns;
     const Index last = mean.cols() - 1;
     ParameterJump jump{.unknown = best.unknown, .sample = best.sample};

@@ -79,4 +79,17 @@ VectorXd oversampled(const Eigen::Ref<const VectorXd>& signal, Index factor) {
   return finer;
 }
 
+// What is missing d intervals before the last sample: the kernel's weights of the samples behind this one, times how
+// far the signal lies from its last value.
+Index undetermined_samples(const Eigen::Ref<const VectorXd>& signal) {
+  constexpr double told = 1e-3;                           // of the rms about the mean
+  const VectorXd weights = phases(2).row(1).transpose();  // midway between two samples
+  const VectorXd last = signal.tail(std::min(reach, signal.size()));
+  const double swing = (last.array() - last[last.size() - 1]).abs().maxCoeff();
+  const double allowed = told * std::sqrt((signal.array() - signal.mean()).square().mean());
+  Index count = 0;
+  while (count < last.size() && swing * weights.tail(reach - 1 - std::min(count, reach - 1)).norm() > allowed) ++count;
+  return count;
+}
+
 }  // namespace kalfem

@@ -29,4 +29,9 @@ std::string fast_content(double share, double sample_rate);
 /// (signal_continuation.hpp).
 Eigen::VectorXd oversampled(const Eigen::Ref<const Eigen::VectorXd>& signal, Eigen::Index factor);
 
+/// Intervals at the signal's end between whose samples oversampled() may be wrong by more than a thousandth of the
+/// signal's rms about its mean, as the samples that would follow are missing: of noise up to half the rate about 22, of
+/// a signal that has died away none.
+Eigen::Index undetermined_samples(const Eigen::Ref<const Eigen::VectorXd>& signal);
+
 }  // namespace kalfem

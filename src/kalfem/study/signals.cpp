@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
@@ -94,6 +96,9 @@ public:
   }
   [[nodiscard]] bool covers(double begin, double end) const override {
     return value_->covers(begin, end) && rate_->covers(begin, end);
+  }
+  [[nodiscard]] double determined_until() const override {
+    return std::min(value_->determined_until(), rate_->determined_until());
   }
 
 private:
@@ -280,10 +285,20 @@ private:
   /// The signal through the samples of a table, which is told where a spline alone would not do.
   SignalPtr sampled(const Record& table, const std::string& of) const {
     const Eigen::VectorXd samples = table.values.row(0).transpose();
+    SignalPtr signal = make_sampled(samples, {.sample_rate = table.sample_rate, .start = table.start});
     if (is_fast(samples))
       all_.notes.preparation.push_back(of + ": " + fast_content(share_above_quarter(samples), table.sample_rate) +
-                                       "; interpolated as a band-limited signal");
-    return make_sampled(samples, {.sample_rate = table.sample_rate, .start = table.start});
+                                       "; interpolated as a band-limited signal" + end_of(*signal, table));
+    return signal;
+  }
+
+  /// Where the signal is not determined at its end, in words.
+  static std::string end_of(const Signal& signal, const Record& table) {
+    const double until = signal.determined_until();
+    if (!(until < table.end())) return {};
+    return fmt::format(
+        "; for want of samples behind its end it is not determined from {:.6g} s on, where the filter learns nothing",
+        until);
   }
 
   void tell_preparation(const std::string& of, const PreparedRecord& prepared) const {

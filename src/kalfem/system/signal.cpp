@@ -20,6 +20,7 @@ public:
     return factor_ * signal_->sample(start, step, count);
   }
   bool covers(double begin, double end) const override { return signal_->covers(begin, end); }
+  double determined_until() const override { return signal_->determined_until(); }
 
 private:
   SignalPtr signal_;
@@ -38,6 +39,11 @@ public:
   bool covers(double begin, double end) const override {
     return std::ranges::all_of(signals_, [&](const auto& signal) { return signal->covers(begin, end); });
   }
+  double determined_until() const override {
+    double until = std::numeric_limits<double>::infinity();
+    for (const auto& signal : signals_) until = std::min(until, signal->determined_until());
+    return until;
+  }
 
 private:
   std::vector<SignalPtr> signals_;
@@ -50,6 +56,7 @@ public:
     return signal_->sample(start - delay_, step, count);
   }
   bool covers(double begin, double end) const override { return signal_->covers(begin - delay_, end - delay_); }
+  double determined_until() const override { return signal_->determined_until() + delay_; }
 
 private:
   SignalPtr signal_;

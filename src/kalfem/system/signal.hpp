@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -26,6 +27,10 @@ public:
     (void)begin, (void)end;
     return true;
   }
+
+  /// Until when values between samples follow from the samples [s]: behind it they rest on how a record is taken to go
+  /// on beyond its last sample. Of formulas for ever.
+  [[nodiscard]] virtual double determined_until() const { return std::numeric_limits<double>::infinity(); }
 };
 
 /// A signal by a formula that gives each instant by itself.

@@ -60,6 +60,7 @@ public:
     return xy;
   }
   bool covers(double begin, double end) const override { return x_->covers(begin, end) && y_->covers(begin, end); }
+  double determined_until() const override { return std::min(x_->determined_until(), y_->determined_until()); }
 
 private:
   SignalPtr x_;

@@ -34,6 +34,7 @@ public:
 
   [[nodiscard]] SignalSamples sample(double start, double step, Eigen::Index count) const override;
   [[nodiscard]] bool covers(double begin, double end) const override { return acceleration_->covers(begin, end); }
+  [[nodiscard]] double determined_until() const override { return acceleration_->determined_until(); }
   /// What Drift::remove has taken out; nothing for Drift::keep.
   struct Removed {
     double velocity = 0.0;  ///< v0, at the first knot [m/s]

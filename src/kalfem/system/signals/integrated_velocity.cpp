@@ -34,6 +34,7 @@ public:
   }
 
   [[nodiscard]] bool covers(double begin, double end) const override { return velocity_->covers(begin, end); }
+  [[nodiscard]] double determined_until() const override { return velocity_->determined_until(); }
 
   [[nodiscard]] SignalSamples sample(double start, double step, Index count) const override {
     SignalSamples samples = velocity_->sample(start, step, count);

@@ -32,6 +32,7 @@ public:
   }
 
   bool covers(double begin, double end) const override { return signal_->covers(begin, end); }
+  double determined_until() const override { return signal_->determined_until(); }
 
 private:
   struct Call {

@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -33,14 +34,20 @@ constexpr double edge = 1e-6;  // of a sampling interval: instants that rounding
 // continuous, as an input's must be. Curvatures at the samples are solved for once; a value costs one segment.
 class Sampled final : public Signal {
 public:
-  Sampled(Eigen::VectorXd values, const SampledOptions& options)
-      : options_(options), values_(std::move(values)), curvature_(Eigen::VectorXd::Zero(values_.size())) {
+  Sampled(Eigen::VectorXd values, const SampledOptions& options,
+          double determined_until = std::numeric_limits<double>::infinity())
+      : options_(options),
+        values_(std::move(values)),
+        curvature_(Eigen::VectorXd::Zero(values_.size())),
+        determined_until_(determined_until) {
     if (options_.interpolation == Interpolation::cubic) curvature_ = not_a_knot_curvature(values_);
   }
 
   bool covers(double begin, double end) const override {
     return options_.beyond == BeyondRecord::hold || (position(begin) >= -edge && position(end) <= last() + edge);
   }
+
+  double determined_until() const override { return determined_until_; }
 
   SignalSamples sample(double start, double step, Eigen::Index count) const override {
     check_sampling(start, step, count);
@@ -82,6 +89,7 @@ private:
   SampledOptions options_;
   Eigen::VectorXd values_;
   Eigen::VectorXd curvature_;  ///< second derivatives at the samples, per sampling interval squared
+  double determined_until_;    ///< [s]
 };
 
 }  // namespace
@@ -109,7 +117,9 @@ SignalPtr make_sampled(Eigen::VectorXd values, const SampledOptions& options) {
     return std::make_shared<Sampled>(std::move(values), options);
   SampledOptions finer = options;
   finer.sample_rate *= static_cast<double>(oversampling);
-  return std::make_shared<Sampled>(oversampled(values, oversampling), finer);
+  const auto determined = static_cast<double>(values.size() - 1 - undetermined_samples(values));
+  return std::make_shared<Sampled>(oversampled(values, oversampling), finer,
+                                   options.start + determined / options.sample_rate);
 }
 
 }  // namespace kalfem
