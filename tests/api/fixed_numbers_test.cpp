@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
+#include "cantilever.hpp"
 #include "chain.hpp"
 
 namespace kalfem {
@@ -95,6 +96,27 @@ TEST(FixedNumbers, AGainOfASensorIsOneOfThem) {
   EXPECT_NEAR(gain.asked, 0.02, 0.002 + 3.5 * gain.asked_std);
   EXPECT_EQ(result.verdict.reasons().front().code, "fixed_parameter");
   EXPECT_THAT(result.verdict.reasons().front().remedy, HasSubstr("known_to"));
+}
+
+/// A beam that bends alone shows E I only: a factor on I that is held 1 % too large makes E 1 % too small.
+TEST(FixedNumbers, AFactorOfABeamMovesItsModulus) {
+  const auto beam = [](double factor) {
+    Structure s;
+    s.add(cantilever(210e9).modal_damping({0.01}, 1e4));
+    Eigen::VectorXd force(1001);
+    for (Eigen::Index k = 0; k < force.size(); ++k)
+      force[k] = std::sin(0.11 * double(k)) + std::sin(0.23 * double(k)) + std::sin(0.41 * double(k));
+    s.force("push", "beam.tip.z", Samples{force, 500.0, 0.0});
+    return s.at({{"beam.bar.bending_y", factor}});
+  };
+  EstimateOptions o;
+  o.sensors = {{"tip", acceleration("beam.tip.z"), 0.01}};
+  o.unknowns = {{"beam.steel.youngs_modulus", {.initial = 200e9, .std = 20e9}}};
+  const Record record = simulate(beam(1.0), {.sensors = o.sensors, .duration = 2.0, .sample_rate = 500.0}).record;
+  const auto result = estimate(beam(1.01), record, o);
+  const auto& modulus = result.parameters.front();
+  EXPECT_NEAR(modulus.mean / (210e9 / 1.01), 1.0, 1e-3);
+  EXPECT_NEAR(effect(result, "beam.bar.bending_y").shift.front() / -modulus.mean, 1.0, 0.02);
 }
 
 TEST(FixedNumbers, ARightModelIsNotBlamed) {

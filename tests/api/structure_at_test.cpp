@@ -42,6 +42,7 @@ TEST(StructureAt, SetsTheDampingOfFiniteElements) {
 TEST(StructureAt, SetsAFactorOfABeam) {
   const Structure moved = beam_on_spring().at({{"beam.bar.bending_y", 2.0}, {"beam.bar.bending_z", 2.0}});
   EXPECT_EQ(moved.value("beam.bar.bending_y"), 2.0);
+  EXPECT_EQ(std::ranges::count(moved.parameters(), "beam.bar.bending_y"), 1);
   const Eigen::VectorXd expected = tip_of(beam_on_spring(420e9));
   EXPECT_LT((tip_of(moved) - expected).norm(), 1e-6 * expected.norm());
 }

@@ -64,7 +64,7 @@ TEST(UpdatingChecks, ASmallResidualSaysThatDeviationsAreTooLarge) {
   auto record = sound();
   record.comparisons[1].rms = 0.4;
   EXPECT_TRUE(has(record, "residual_small"));
-  record.comparisons[1].predicted = true;
+  record.comparisons[1].has_bounds = true;
   EXPECT_FALSE(has(record, "residual_small"));
   record.comparisons = {{.name = "modes", .rms = 0.4, .degrees_of_freedom = 3.0}};
   EXPECT_FALSE(has(record, "residual_small")) << "chance";

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "kalfem/identification/record_residual.hpp"
+#include "kalfem/updating/frf_record_residual.hpp"
 #include "kalfem/verdict/updating_checks.hpp"
 
 namespace kalfem {
@@ -27,7 +29,7 @@ ComparedMeasurement compared_measurement(const EndOfComparison& comparison, cons
   ComparedMeasurement compared{.name = comparison.name,
                                .rms = comparison.rms,
                                .degrees_of_freedom = degrees_of_freedom(comparison, updating),
-                               .predicted = comparison.predicted};
+                               .has_bounds = comparison.has_bounds};
   for (const auto& mode : comparison.modes)
     if (!mode.model_mode || mode.mac < least_mac)
       compared.poor_pairs.push_back(fmt::format("{:.4g} Hz (MAC {:.2f})", mode.measured_frequency, mode.mac));
@@ -74,6 +76,10 @@ void add_identifiability(const EndOfUpdating& updating, UpdatingRecord& record) 
 }
 
 }  // namespace
+
+bool has_bounds(const Residual& residual) {
+  return dynamic_cast<const RecordResidual*>(&residual) || dynamic_cast<const FrfRecordResidual*>(&residual);
+}
 
 std::vector<Reason> updating_reasons(const EndOfUpdating& updating) {
   UpdatingRecord record{.converged = updating.converged, .termination = updating.termination};

@@ -17,9 +17,14 @@ struct EndOfComparison {
   std::string name;
   Eigen::Index size = 0;               ///< values that it compares
   double rms = 0.0;                    ///< of the residual, in its stated standard deviations
-  bool predicted = false;              ///< its deviations come from a model that was not yet updated, not from noise
+  bool has_bounds = false;             ///< its deviations are upper bounds, see has_bounds()
   std::vector<PairedMode> modes = {};  ///< of natural frequencies
 };
+
+/// Whether the deviations of a comparison are upper bounds of the noise, which say nothing where a residual is smaller:
+/// those of a filter's innovations hold the model that was not yet updated, those of measured spectra what a force may
+/// do between its samples.
+bool has_bounds(const Residual& residual);
 
 /// An updating at its end.
 struct EndOfUpdating {

@@ -50,7 +50,7 @@ ParameterSet::ParameterSet(const StructureModel& structure) {
   for (const auto& parameter : parameters_) names_.push_back(parameter.name);
   for (const auto& each : structure.finite_elements)
     for (const auto& [factor, value] : beam_factors(each.part->elements))
-      names_.push_back(each.part->name + "." + factor);
+      if (const std::string name = each.part->name + "." + factor; !find(name)) names_.push_back(name);
 }
 
 std::optional<Parameter> ParameterSet::find(const std::string& name) const {

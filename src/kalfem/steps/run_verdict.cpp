@@ -23,7 +23,7 @@ std::vector<Reason> reasons_of(const std::vector<UpdatingParameter>& parameters,
                     .converged = outcome.converged,
                     .termination = outcome.termination};
   for (const auto& each : outcome.comparisons)
-    end.comparisons.push_back({each.name, each.size, each.rms_final, !each.derivatives.empty(), each.modes_final});
+    end.comparisons.push_back({each.name, each.size, each.rms_final, each.has_bounds, each.modes_final});
   return updating_reasons(end);
 }
 

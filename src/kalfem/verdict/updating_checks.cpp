@@ -44,7 +44,7 @@ void check_size(const ComparedMeasurement& comparison, std::vector<Reason>& reas
                        "the model cannot follow the measurement: look for a wrong fixed parameter, a missing part or a "
                        "wrong unit; where it can, state larger deviations",
                        state_of(comparison.rms), comparison.rms});
-  if (!comparison.predicted && state_of(inverse) != VerdictState::consistent && is_below(comparison.rms, freedom))
+  if (!comparison.has_bounds && state_of(inverse) != VerdictState::consistent && is_below(comparison.rms, freedom))
     reasons.push_back({"residual_small", comparison.name,
                        fmt::format("after the updating, comparison '{}' differs by only {:.2g} of its stated standard "
                                    "deviations (expected 1): they are stated too large, and so are those of the "

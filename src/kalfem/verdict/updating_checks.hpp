@@ -15,7 +15,7 @@ struct ComparedMeasurement {
   std::string name;
   double rms = 1.0;                 ///< of the residual, in its stated standard deviations
   double degrees_of_freedom = 0.0;  ///< values less the parameters' share of them
-  bool predicted = false;           ///< its deviations follow from a model that was not yet updated, not from noise
+  bool has_bounds = false;          ///< its deviations are upper bounds of the noise
   /// Pairs of a measured mode with nothing, or with a shape that hardly agrees: "12.3 Hz (MAC 0.4)".
   std::vector<std::string> poor_pairs;
 };

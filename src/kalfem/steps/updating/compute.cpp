@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "kalfem/base/stopwatch.hpp"
+#include "kalfem/diagnosis/judge_updating.hpp"
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/steps/updating/checkpoint.hpp"
 #include "kalfem/updating/frf_residual.hpp"
@@ -234,6 +235,7 @@ void compare(const Study& study, const std::vector<ComparisonResidual>& comparis
     result.rms_initial = rms(first);
     result.rms_final = rms(last);
     row += result.size;
+    result.has_bounds = has_bounds(residual);
     if (const auto* modal = dynamic_cast<const ModalResidual*>(&residual)) {
       const auto at_start = modal->compare(start), at_end = modal->compare(updating.values);
       result.modes_initial = at_start.pairs;

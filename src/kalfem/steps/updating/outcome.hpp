@@ -50,6 +50,7 @@ struct ComparisonResult {
   double weight = 1.0;
   Eigen::Index size = 0;
   double rms_initial = 0.0, rms_final = 0.0;           ///< of the residual, in standard deviations
+  bool has_bounds = false;                             ///< these are upper bounds of the noise, see has_bounds()
   std::string derivatives;                             ///< of a driven record: which ones, and why
   std::vector<FrfCurve> responses;                     ///< of frequency responses
   std::vector<PairedMode> modes_initial, modes_final;  ///< of natural frequencies
