@@ -14,6 +14,7 @@
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/freed_memory.hpp"
 #include "kalfem/base/version.hpp"
+#include "kalfem/estimation/kernels/kernel_set.hpp"
 #include "kalfem/formats/deck.hpp"
 #include "kalfem/steps/table.hpp"
 #include "little_memory.hpp"
@@ -304,7 +305,8 @@ void add_verbs(CLI::App& app, Arguments& arguments) {
     return at->get_parent() ? command::help_of(usage_of(*at)) : command::overview(verbs_of(*at));
   });
   app.set_help_flag("-h,--help", "say how the verb is used");
-  app.set_version_flag("--version", fmt::format("kalfem {} ({})", version, command::build_stamp));
+  app.set_version_flag("--version",
+                       fmt::format("kalfem {} ({}; {} kernels)", version, command::build_stamp, kernels().name));
   app.require_subcommand(1);
   auto* run = add_run_verb(app, "run", "run everything the case asks for", arguments);
   run->get_option("case")->required(false);

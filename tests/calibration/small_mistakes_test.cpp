@@ -30,11 +30,23 @@ double worst_error(const EstimateResult& found, const std::vector<double>& truth
   return worst;
 }
 
+/// How far the run's table of fixed numbers says that an estimate moves by such a change, in the deviations of its
+/// interval: of the estimate that moves most.
+double told_move(const EstimateResult& found, const FixedNumberEffect& effect, double change) {
+  double most = 0.0;
+  for (std::size_t j = 0; j < effect.shift.size(); ++j) {
+    const auto& [lower, upper] = found.parameters[j].interval_95;
+    most = std::max(most, std::abs(change * effect.shift[j]) / ((upper - lower) / (2.0 * 1.96)));
+  }
+  return most;
+}
+
 // One number of the model, or the gain of a sensor, is off by .5 to 8 %, and nothing is stated of it. A line for each
-// run that says nothing although an estimate is off by more than four deviations.
+// run with an estimate off by more than four deviations. Some records cannot tell: one in which a beam bends alone says
+// nothing of E and I beside E I. There the table must say that the estimate moves as far as it did, to a third.
 TEST(SmallMistakes, AreNotSilentlyWrong) {
   const int first = number("KALFEM_FIRST", 1), count = number("KALFEM_COUNT", 200);
-  int silent = 0, named = 0, off = 0;
+  int silent = 0, untold = 0, named = 0, off = 0;
   for (int seed = first; seed < first + count; ++seed) {
     const auto given = random_record(static_cast<std::uint64_t>(seed));
     std::mt19937_64 generator(static_cast<std::uint64_t>(seed) + 77);
@@ -66,18 +78,23 @@ TEST(SmallMistakes, AreNotSilentlyWrong) {
     named += worst > 4.0 && is_named ? 1 : 0;
     silent += worst > 4.0 && consistent ? 1 : 0;
     const auto effect = std::ranges::find(found.fixed_numbers, name, &FixedNumberEffect::name);
+    const double move = effect == found.fixed_numbers.end() ? 0.0 : told_move(found, *effect, factor - 1.0);
+    untold += worst > 4.0 && consistent && move < worst / 3.0 ? 1 : 0;
     const std::string told = effect == found.fixed_numbers.end()
                                  ? "not looked at"
                                  : fmt::format("{:+.3g} +- {:.2g}", effect->asked, effect->asked_std);
     if (worst > 4.0)
-      std::cout << fmt::format("{} {}: {} times {:.4g} ({}), worst {:.3g} deviations, {}{}{}\n", seed, given.kind, name,
-                               factor, told, worst, to_string(found.verdict.state()), codes_of(found.verdict),
-                               reasons.empty() ? "" : "; " + reasons.front().text)
+      std::cout << fmt::format("{} {}: {} times {:.4g} ({}), worst {:.3g} deviations (the table: {:.3g}), {}{}{}\n",
+                               seed, given.kind, name, factor, told, worst, move, to_string(found.verdict.state()),
+                               codes_of(found.verdict), reasons.empty() ? "" : "; " + reasons.front().text)
                 << std::flush;
   }
-  std::cout << fmt::format("{} of {} silent; {} off by more than 4 deviations, the number named in {} of them\n",
-                           silent, count, off, named);
-  EXPECT_LE(silent, 0.01 * count);
+  std::cout << fmt::format(
+      "{} of {} consistent and off by more than 4 deviations, {} of them untold; {} off by as much in "
+      "all, the number named in {} of them\n",
+      silent, count, untold, off, named);
+  EXPECT_LE(silent, 0.05 * count);
+  EXPECT_LE(untold, 0.01 * count);
 }
 
 // Every number of the model is off by what is stated of it.

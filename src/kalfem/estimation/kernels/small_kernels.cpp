@@ -1,211 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kalfem/estimation/kernels/small_kernels.hpp"
 
-#include <cmath>
-
-#include "kalfem/estimation/kernels/packed_product.hpp"
+#include "kalfem/estimation/kernels/kernel_set.hpp"
 
 namespace kalfem {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using namespace tiles;
 
 namespace {
 
-// Where the method changes, measured on processors with AVX-512 and a second cache of 1 MB; neighbouring values differ
-// by a few per cent.
+KernelMatrix plain(const MatrixXd& matrix) { return {matrix.data(), matrix.rows()}; }
+KernelMatrix transposed(const MatrixXd& matrix) { return {matrix.data(), matrix.rows(), true}; }
 
-/// Up to so many rows and columns, and a depth of twice as many and one, factors are read where they stand; larger ones
-/// are copied first, unless one side is so thin that the copy is not read often enough.
-constexpr Index largest_direct = 160, thinnest_packed = 40;
-/// Tile of products that read their factors where they stand: at some tens of rows a small one loses less at the edges.
-constexpr int tallest = std::min(8, 2 * lane_size), widest = 6;
-/// Up to so many columns a Cholesky factor is formed at once, in the nearest cache; wider ones by halves.
-constexpr Index narrow = 64;
-
-/// `Width` columns and the rows from `row` on.
-template <int Width, int Height = tallest, class Right>
-[[gnu::noinline]] void panel(Keep keep, Index row, Index rows, Index depth, const double* a, Index a_stride, Right b,
-                             double* c, Index c_stride) {
-  for (; rows - row >= Height; row += Height) tile<Height, Width>(keep, depth, a + row, a_stride, b, c + row, c_stride);
-  if constexpr (Height > 1)
-    if (row < rows) panel<Width, Height / 2>(keep, row, rows, depth, a, a_stride, b, c, c_stride);
-}
-
-/// Panels of columns from `j` on, the factors read where they stand.
-template <int Width = widest, class Right>
-void direct_product(Keep keep, Shape shape, Index j, Index rows, Index columns, Index depth, const double* a,
-                    Index a_stride, Right b, double* c, Index c_stride) {
-  for (; columns - j >= Width; j += Width) {
-    const Index row = shape == Shape::lower_result ? j - j % lane_size : 0, k = shape == Shape::lower_factor ? j : 0;
-    panel<Width>(keep, row, rows, depth - k, a + k * a_stride, a_stride, b.from(k, j), c + j * c_stride, c_stride);
-  }
-  if constexpr (Width > 1)
-    if (j < columns)
-      direct_product<Width == widest ? 4 : Width / 2>(keep, shape, j, rows, columns, depth, a, a_stride, b, c,
-                                                      c_stride);
-}
-
-template <class Right>
-void product(Keep keep, Shape shape, Index rows, Index columns, Index depth, const double* a, Index a_stride, Right b,
-             double* c, Index c_stride) {
-  const bool outgrown = std::max(rows, columns) > largest_direct || depth > 2 * largest_direct + 1;
-  if (outgrown && std::min(rows, depth) >= thinnest_packed)
-    packed_product(keep, shape, rows, columns, depth, a, a_stride, b, c, c_stride);
-  else
-    direct_product(keep, shape, 0, rows, columns, depth, a, a_stride, b, c, c_stride);
-}
-
-template <class Right>
-void product(Keep keep, Shape shape, const MatrixXd& a, Right b, MatrixXd& c) {
-  product(keep, shape, c.rows(), c.cols(), a.cols(), a.data(), a.rows(), b, c.data(), c.rows());
-}
-
-Plain plain(const MatrixXd& matrix) { return {matrix.data(), matrix.rows()}; }
-Transposed transposed(const MatrixXd& matrix) { return {matrix.data(), matrix.rows()}; }
-
-/// Columns of a panel behind its diagonal block L_J: X <- (C - A B) L_J^-T, one tile of rows at a time.
-template <int Height, int Width>
-[[gnu::always_inline]] inline void solve_tile(Index depth, const double* a, Index stride, Transposed b,
-                                              const double* block, Index block_stride, const double* inverse,
-                                              double* c) {
-  Column<Height> x[Width];
-  product_of_tile<Height, Width>(depth, a, stride, b, x);
-#pragma GCC unroll 8
-  for (int j = 0; j < Width; ++j) {
-    Column<Height> value(c + j * stride);
-    value.add(x[j], -1.0);
-    for (int k = 0; k < j; ++k) value.add(x[k], -block[j + k * block_stride]);
-    value.scale(inverse[j]);
-    value.store(c + j * stride);
-    x[j] = value;
-  }
-}
-
-template <int Width, int Height = tallest>
-[[gnu::noinline]] void solve_panel(Index row, Index rows, Index depth, const double* a, Index stride, Transposed b,
-                                   const double* block, const double* inverse, double* c) {
-  for (; rows - row >= Height; row += Height)
-    solve_tile<Height, Width>(depth, a + row, stride, b, block, stride, inverse, c + row);
-  if constexpr (Height > 1)
-    if (row < rows) solve_panel<Width, Height / 2>(row, rows, depth, a, stride, b, block, inverse, c);
-}
-
-/// Smallest pivots: a share of the variances, those of the matrix before anything was subtracted.
-struct PivotFloor {
-  double share;
-  const double* variance;
-  Index step;
-  double operator[](Index i) const { return share * variance[i * step]; }
-  [[nodiscard]] PivotFloor from(Index i) const { return {share, variance + i * step, step}; }
-};
-
-/// Factor of the diagonal block in place and the inverses of its diagonal. Columns are divided by their pivots, not by
-/// the roots, while others wait for them: the roots are taken aside.
-template <int Width>
-inline bool factor_block(double* block, Index stride, PivotFloor floor, double* inverse) {
-  double column[Width][Width], divided[Width][Width];
-#pragma GCC unroll 8
-  for (int j = 0; j < Width; ++j) {
-#pragma GCC unroll 8
-    for (int i = j; i < Width; ++i) {
-      column[j][i] = block[i + j * stride];
-#pragma GCC unroll 8
-      for (int k = 0; k < j; ++k) column[j][i] -= column[k][i] * divided[k][j];
-    }
-    const double pivot = column[j][j], inverse_pivot = 1.0 / pivot;
-    if (!(pivot > floor[j])) return false;
-#pragma GCC unroll 8
-    for (int i = j; i < Width; ++i) divided[j][i] = column[j][i] * inverse_pivot;
-    const double root = std::sqrt(pivot);
-    block[j + j * stride] = root;
-    inverse[j] = 1.0 / root;
-#pragma GCC unroll 8
-    for (int i = j + 1; i < Width; ++i) block[i + j * stride] = column[j][i] * inverse[j];
-  }
-  return true;
-}
-
-/// Columns j ... j + Width - 1 of L from those before (left-looking).
-template <int Width>
-bool factor_panel(Index j, Index n, PivotFloor floor, double* l) {
-  double* block = l + j + j * n;
-  double inverse[Width];
-  const Transposed before{l + j, n};  // L_J^T
-  tile<Width, Width>(Keep::difference, j, l + j, n, before, block, n);
-  if (!factor_block<Width>(block, n, floor.from(j), inverse)) return false;
-  solve_panel<Width>(j + Width, n, j, l, n, before, block, inverse, l + j * n);
-  return true;
-}
-
-/// P = L L^T in place, contiguous.
-bool narrow_cholesky(Index n, PivotFloor floor, double* l) {
-  Index j = 0;
-  for (; n - j >= 4; j += 4)
-    if (!factor_panel<4>(j, n, floor, l)) return false;
-  for (; j < n; ++j)
-    if (!factor_panel<1>(j, n, floor, l)) return false;
-  return true;
-}
-
-void copy_columns(Index rows, Index columns, const double* from, Index from_stride, double* to, Index to_stride) {
-  for (Index j = 0; j < columns; ++j) std::copy_n(from + j * from_stride, rows, to + j * to_stride);
-}
-
-/// X <- X L^-T for the few columns of a narrow contiguous L, some rows at a time in the nearest cache.
-void narrow_solve(Index rows, Index n, const double* lower, double* x, Index stride) {
-  constexpr int height = tile_height;
-  alignas(64) double slab[height * narrow];
-  double inverse[narrow];
-  for (Index j = 0; j < n; ++j) inverse[j] = 1.0 / lower[j + j * n];
-  std::fill_n(slab, height * n, 0.0);
-  for (Index row = 0; row < rows; row += height) {
-    const Index here = std::min<Index>(rows - row, height);
-    copy_columns(here, n, x + row, stride, slab, height);
-    Index j = 0;
-    for (; n - j >= 4; j += 4)
-      solve_tile<height, 4>(j, slab, height, {lower + j, n}, lower + j + j * n, n, inverse + j, slab + j * height);
-    for (; j < n; ++j)
-      solve_tile<height, 1>(j, slab, height, {lower + j, n}, lower + j + j * n, n, inverse + j, slab + j * height);
-    copy_columns(here, n, slab, height, x + row, stride);
-  }
-}
-
-Index half(Index n) { return (n / 2 + lane_size - 1) / lane_size * lane_size; }
-
-/// X <- X L^-T by halves: X_1 <- X_1 L_11^-T, X_2 <- (X_2 - X_1 L_21^T) L_22^-T.
-void solve_rows(Index rows, Index n, const double* lower, double* x, Index stride) {
-  if (n <= narrow) {
-    alignas(64) double contiguous[narrow * narrow];
-    copy_columns(n, n, lower, stride, contiguous, n);
-    narrow_solve(rows, n, contiguous, x, stride);
-    return;
-  }
-  const Index first = half(n), second = n - first;
-  double* right = x + first * stride;
-  solve_rows(rows, first, lower, x, stride);
-  product(Keep::difference, Shape::full, rows, second, first, x, stride, Transposed{lower + first, stride}, right,
-          stride);
-  solve_rows(rows, second, lower + first * (stride + 1), right, stride);
-}
-
-/// P = L L^T in place by halves: L_11, L_21 = P_21 L_11^-T, P_22 - L_21 L_21^T.
-bool factor_in_place(Index n, PivotFloor floor, double* l, Index stride) {
-  if (n <= narrow) {
-    alignas(64) double contiguous[narrow * narrow];
-    copy_columns(n, n, l, stride, contiguous, n);
-    const bool usable = narrow_cholesky(n, floor, contiguous);
-    copy_columns(n, n, contiguous, n, l, stride);
-    return usable;
-  }
-  const Index first = half(n), second = n - first;
-  double *below = l + first, *rest = below + first * stride;
-  if (!factor_in_place(first, floor, l, stride)) return false;
-  solve_rows(second, first, l, below, stride);
-  product(Keep::difference, Shape::lower_result, second, second, first, below, stride, Transposed{below, stride}, rest,
-          stride);
-  return factor_in_place(second, floor.from(first), rest, stride);
+void product(Keep keep, Shape shape, const MatrixXd& a, KernelMatrix b, MatrixXd& c) {
+  kernels().product(keep, shape, c.rows(), c.cols(), a.cols(), plain(a), b, c.data(), c.rows());
 }
 
 }  // namespace
@@ -239,10 +48,8 @@ void subtract_square(const MatrixXd& a, MatrixXd& out) {
 
 bool cholesky(const MatrixXd& p, double pivot_floor, MatrixXd& lower) {
   const Index n = p.rows();
-  const PivotFloor floor{pivot_floor, p.data(), n + 1};
   lower = p;
-  const bool usable =
-      n <= narrow ? narrow_cholesky(n, floor, lower.data()) : factor_in_place(n, floor, lower.data(), n);
+  const bool usable = kernels().cholesky(n, pivot_floor, p.data(), n + 1, lower.data());
   for (Index j = 1; j < n; ++j)
     for (Index i = 0; i < j; ++i) lower(i, j) = 0.0;
   return usable;

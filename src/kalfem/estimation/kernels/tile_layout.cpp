@@ -96,7 +96,7 @@ MatrixXd TileLayout::placed(const MatrixXd& states) const {
 TiledPropagator::TiledPropagator(const MatrixXd& A, const TileLayout& layout)
     : own(Eigen::VectorXd::Zero(layout.slots())),
       other(Eigen::VectorXd::Zero(layout.slots())),
-      full(static_cast<std::size_t>(layout.tiles)) {
+      full_place(static_cast<std::size_t>(layout.tiles), -1) {
   MatrixXd tiles = MatrixXd::Zero(layout.slots(), tile_size);  // diagonal tiles on top of each other
   for (Index j = 0; j < A.cols(); ++j)
     for (Index i = 0; i < A.rows(); ++i)
@@ -107,21 +107,18 @@ TiledPropagator::TiledPropagator(const MatrixXd& A, const TileLayout& layout)
     own[slot] = tiles(slot, column);
     other[slot] = tiles(slot, partner);
     const auto row = tiles.row(slot).cwiseAbs();
-    if (row.sum() != std::abs(own[slot]) + std::abs(other[slot]))
-      full[static_cast<std::size_t>(slot / tile_size)] = tiles.middleRows(slot - column, tile_size);
+    Index& place = full_place[static_cast<std::size_t>(slot / tile_size)];
+    if (place >= 0 || row.sum() == std::abs(own[slot]) + std::abs(other[slot])) continue;
+    place = full.size();
+    full.conservativeResize(place + tile_size * tile_size);
+    full.tail(tile_size * tile_size) = tiles.middleRows(slot - column, tile_size).reshaped();
   }
 }
 
 void TiledPropagator::apply(const MatrixXd& x, MatrixXd& y) const {
   y.resize(x.rows(), x.cols());
   for (Index column = 0; column < x.cols(); ++column)
-    for (Index slot = 0; slot < x.rows(); slot += tile_size)
-      apply_to_tile(slot / tile_size, &x(slot, column), &y(slot, column));
-}
-
-void TiledPropagator::apply_to_column(MatrixXd& x, Index column) const {
-  for (Index slot = 0; slot < x.rows(); slot += tile_size)
-    apply_to_tile(slot / tile_size, &x(slot, column), &x(slot, column));
+    kernels().propagate(view(), x.rows() / tile_size, x.col(column).data(), y.col(column).data());
 }
 
 }  // namespace kalfem

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "kalfem/estimation/kernels/kernel_set.hpp"
 #include "kalfem/estimation/kernels/vector_lanes.hpp"
 
 namespace kalfem {
@@ -31,22 +32,13 @@ struct TiledPropagator {
   TiledPropagator() = default;
   TiledPropagator(const Eigen::MatrixXd& A, const TileLayout& layout);
 
-  Eigen::VectorXd own, other;                                    ///< slots
-  std::vector<std::optional<Eigen::Matrix<double, 8, 8>>> full;  ///< per tile, where it is needed
+  Eigen::VectorXd own, other;            ///< slots
+  std::vector<Eigen::Index> full_place;  ///< of each tile in `full`; -1 where pairs do
+  Eigen::VectorXd full;                  ///< 64 numbers a tile, by columns
 
-  /// y = A x for thin matrices, slots x columns.
+  [[nodiscard]] KernelPropagator view() const { return {own.data(), other.data(), {full.data(), full_place.data()}}; }
+  /// y = A x for thin matrices, slots x columns; y may be x.
   void apply(const Eigen::MatrixXd& x, Eigen::MatrixXd& y) const;
-  /// One column of x <- A times that column.
-  void apply_to_column(Eigen::MatrixXd& x, Eigen::Index column) const;
-  /// y = A x of one tile; y may be x.
-  void apply_to_tile(Eigen::Index tile, const double* x, double* y) const {
-    if (const auto& block = full[static_cast<std::size_t>(tile)]) {
-      Eigen::Map<Eigen::Matrix<double, 8, 1>>{y} = (*block * Eigen::Map<const Eigen::Matrix<double, 8, 1>>(x)).eval();
-      return;
-    }
-    const Lanes values = load(x);
-    store(y, load(&own[tile * tile_size]) * values + load(&other[tile * tile_size]) * swap_neighbours(values));
-  }
 };
 
 }  // namespace kalfem

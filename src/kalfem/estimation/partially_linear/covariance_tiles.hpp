@@ -15,11 +15,8 @@ class SymmetricTiles {
 public:
   SymmetricTiles() = default;
   SymmetricTiles(const Eigen::MatrixXd& matrix, const TileLayout& layout);
-  /// Eight columns of eight, null where the tile is zero.
-  [[nodiscard]] const double* tile(Eigen::Index row, Eigen::Index column) const {
-    const Eigen::Index place = place_[static_cast<std::size_t>(row * (row + 1) / 2 + column)];
-    return place < 0 ? nullptr : values_.data() + place;
-  }
+  /// Of the lower triangle, by rows.
+  [[nodiscard]] KernelTiles view() const { return {values_.data(), place_.data()}; }
 
 private:
   std::vector<Eigen::Index> place_;
@@ -76,7 +73,6 @@ private:
     return values_.data() + (row * (row + 1) / 2 + column) * tile_size * tile_size;
   }
   void pack(const CovarianceStep& step);
-  void pass_over(Eigen::Index begin, Eigen::Index end, const CovarianceStep& step, double* product);
   template <class Work>
   void run_parts(const Work& work);
 
@@ -91,6 +87,7 @@ private:
     Eigen::Index terms = 0, projected = 0, stride = 0;
     AlignedValues values;
   } packed_;
+  Eigen::MatrixXd moved_;  ///< A J
   Eigen::VectorXd values_;
 };
 

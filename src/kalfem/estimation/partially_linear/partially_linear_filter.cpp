@@ -125,7 +125,7 @@ void PartiallyLinearFilter::propagate_rows() {
 void PartiallyLinearFilter::propagate_mean() {
   const auto& offset = process().offset();
   predicted_mean_ = estimate_.mean();
-  propagator_.apply_to_column(predicted_mean_, 0);
+  propagator_.apply(predicted_mean_, predicted_mean_);
   for (Index i = 0; i < offset.size(); ++i) predicted_mean_(layout_.slot[static_cast<std::size_t>(i)], 0) += offset[i];
   predicted_mean_.col(0).noalias() += gain_.lazyProduct(process_map_.nonlinear_mean());
 }
