@@ -269,8 +269,8 @@ TEST(SampledSignal, KnowsWhatASplineWouldTake) {
   EXPECT_EQ(kalfem::spline_error(Eigen::VectorXd::Constant(100, 3.0)), 0.0);
 }
 
-/// A sum of sines up to 0.4 of the rate, known between the samples and behind the last one. As far as it says that it is
-/// determined the signal is right to what the kernel lets through of such content (5e-3 of a crest, above) and a
+/// A sum of sines up to 0.4 of the rate, known between the samples and behind the last one. As far as it says that it
+/// is determined the signal is right to what the kernel lets through of such content (5e-3 of a crest, above) and a
 /// thousandth of its rms; in its last interval it is wrong by several hundredths.
 TEST(SampledSignal, KnowsHowFarItsSamplesDetermineIt) {
   constexpr Eigen::Index samples = 400;

@@ -140,7 +140,8 @@ std::vector<EndOfComparison> compare(const std::vector<MadeComparison>& comparis
     const Index size = each.continuation.back()->size();
     const auto rms = [&](const VectorXd& all) { return rms_of(all.segment(row, size)) / std::sqrt(each.weight); };
     result.comparisons.push_back({each.name, size, rms(before), rms(after)});
-    ends.push_back({.name = each.name, .size = size, .rms = rms(after), .has_bounds = has_bounds(*each.continuation.back())});
+    ends.push_back(
+        {.name = each.name, .size = size, .rms = rms(after), .has_bounds = has_bounds(*each.continuation.back())});
     row += size;
     const auto* modal = dynamic_cast<const ModalResidual*>(each.continuation.back().get());
     if (!modal) continue;
