@@ -93,7 +93,7 @@ TEST(SmallMistakes, AreNotSilentlyWrong) {
       "{} of {} consistent and off by more than 4 deviations, {} of them untold; {} off by as much in "
       "all, the number named in {} of them\n",
       silent, count, untold, off, named);
-  EXPECT_LE(silent, 0.05 * count);
+  EXPECT_LE(silent, 0.01 * count);
   EXPECT_LE(untold, 0.01 * count);
 }
 
