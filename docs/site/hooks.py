@@ -2,7 +2,8 @@
 
 * reference/*.md, printed by the command itself: its verbs, every key of a case, the connector laws;
 * sources.md, from references.bib; a key such as [CB68] in a page becomes a link to it;
-* KaTeX, from Debian's package libjs-katex.
+* KaTeX, from Debian's package libjs-katex;
+* search in a site that is opened from the disk, see from_disk.py.
 
 The command is $KALFEM_COMMAND, or build/release/bin/kalfem.
 """
@@ -18,6 +19,7 @@ from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File
 
 sys.path.insert(0, str(Path(__file__).parent))
+import from_disk  # noqa: E402
 import reference  # noqa: E402
 import sources  # noqa: E402
 
@@ -76,3 +78,11 @@ def on_page_markdown(markdown, page, config, files):
     target = posixpath.relpath("sources.md", posixpath.dirname(page.file.src_path))
     parts = CODE.split(markdown)
     return "".join(part if CODE.fullmatch(part) else sources.linked(part, target) for part in parts)
+
+
+def on_post_page(output, page, config):
+    return from_disk.with_search(output, posixpath.relpath(".", posixpath.dirname(page.url)))
+
+
+def on_post_build(config):
+    from_disk.write_index(Path(config["site_dir"]))
