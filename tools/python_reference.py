@@ -24,7 +24,7 @@ WIDTH = 110
 
 GROUPS = {
     "Structures": "Structure Lumped FiniteElements lumped chain read_deck deck_notes laws",
-    "Sensors": "Sensor displacement velocity acceleration force deformation rate strain low_pass high_pass delay resonance gain",
+    "Sensors": "Sensor displacement velocity acceleration force deformation rate strain low_pass high_pass delay without_lag resonance gain",
     "Records": "read Record MeasuredFile TimeSeries",
     "Simulation and identification": "simulate estimate predict validate Validation SensorValidation",
     "Updating": "update MeasuredModes MeasuredResponses MeasuredDeflections MeasuredRecord",
