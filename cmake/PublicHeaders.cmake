@@ -17,7 +17,7 @@ set(KALFEM_CORE_HEADERS
     model/gauges/gauge_description.hpp
     model/statics/load_case.hpp # of decks
     modal/identify_modes.hpp modal/modal_options.hpp modal/modal_result.hpp records/spectrum.hpp # modes of a record alone
-    records/record.hpp reduction/superelement.hpp
+    records/clock_lag.hpp records/record.hpp reduction/superelement.hpp
     vibration/computed_response.hpp
     system/connector_law.hpp system/signal.hpp
     system/sensors/measurement_chain.hpp system/sensors/output_description.hpp

@@ -2,6 +2,7 @@
 #include "sensors.hpp"
 
 #include "kalfem/base/units.hpp"
+#include "kalfem/records/clock_lag.hpp"
 
 namespace kalfem::python {
 namespace {
@@ -267,6 +268,30 @@ void bind_sensors(py::module_& module) {
         return ChainPart{DelaySection{seconds, order}};
       },
       py::arg("seconds"), py::arg("order") = 6, "Pure delay of the measurement chain [s].");
+  module.def(
+      "without_lag",
+      [](const Eigen::VectorXd& samples, double sample_rate, const py::object& delay, const py::object& drift) {
+        const ClockLag lag{number_of(delay, "s", "delay"), number_of(drift, "-", "drift")};
+        return array_of(without_lag(make_record(sample_rate, {{"samples", samples}}), 0, lag));
+      },
+      py::arg("samples"), py::arg("sample_rate"), py::kw_only(), py::arg("delay") = 0.0, py::arg("drift") = 0.0,
+      R"(The samples of a channel with every motion at its own time: y(t + delay + drift t) stands at t.
+
+Parameters
+----------
+samples : array of shape (n,)
+    As its clock showed them; not a number where one is missing.
+sample_rate : float
+    [Hz]
+delay : float or str
+    By so much the channel is late [s].
+drift : float or str
+    By so much its clock runs fast, as ``"50 ppm"``; t counts from the first sample.
+
+Returns
+-------
+array of shape (n,)
+    Not a number where a sample would come from beyond an end. Exact at every frequency below Nyquist.)");
   module.def(
       "resonance",
       [](double frequency, double damping) {

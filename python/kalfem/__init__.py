@@ -38,6 +38,7 @@ _NAMES = {
         "low_pass",
         "high_pass",
         "delay",
+        "without_lag",
         "resonance",
         "gain",
     ),
@@ -112,6 +113,7 @@ if TYPE_CHECKING:
         resonance as resonance,
         strain as strain,
         velocity as velocity,
+        without_lag as without_lag,
     )
     from .analysis import estimate as estimate, predict as predict, simulate as simulate, update as update
     from .cases import Case as Case, read_case as read_case, to_case as to_case

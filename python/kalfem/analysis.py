@@ -69,8 +69,9 @@ def estimate(
         deviation may be a percentage of the mean. Or the mean alone, with half of it as deviation; None for the
         structure's own value; or a dictionary with ``initial``, ``std``, ``random_walk`` [unit/sqrt(s)], ``bounds``,
         ``transform`` (``log`` or ``none``) and ``applies_to`` (parameters that share the value). Numbers of the
-        measurement are unknowns too: ``sensors.a3.offset``, ``sensors.a3.gain``, ``.delay``, ``.noise`` and
-        ``process_noise``, each with its mean; all but offsets are found by maximum likelihood.
+        measurement are unknowns too: ``sensors.a3.offset``, ``sensors.a3.gain``, ``.delay``, ``.drift`` (of its
+        clock, ``"50 ppm"``), ``.noise`` and ``process_noise``, each with its mean; all but offsets are found by maximum
+        likelihood. Sensors of one rack share a clock by ``applies_to``.
     outputs : dict of str to Sensor
         Quantities to estimate without a sensor for them.
     filter : str
@@ -106,8 +107,8 @@ def estimate(
     known_to : dict of str to float or str
         Standard deviations of numbers that are held fixed; intervals and bands then hold what follows from them. A
         percentage, or a number in its unit: ``{"masses": "1 %", "body.3.mass": "0.5 %", "a1.delay": 2e-4}``. By group
-        (``masses``, ``stiffnesses``, ``damping``, ``laws``, ``gains``, ``excitations``, ``delays``), by owner or by
-        name; the longest name counts. Without it they are taken as exact; ``run.sensitivity`` says what that matters.
+        (``masses``, ``stiffnesses``, ``damping``, ``laws``, ``gains``, ``excitations``, ``delays``, ``drifts``), by
+        owner or by name; the longest name counts. Without it they are taken as exact; ``run.sensitivity`` says what that matters.
     free : str
         Fixed numbers that the record asks to change: ``none`` says nothing of estimating them, ``ask`` tries them as
         unknowns and says in ``run.freed`` which predict the last third of the record better, ``auto`` takes these as

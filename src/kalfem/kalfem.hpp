@@ -26,4 +26,5 @@
 #include "kalfem/base/interruption.hpp"
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/modal/identify_modes.hpp"
+#include "kalfem/records/clock_lag.hpp"
 #include "kalfem/records/record.hpp"

@@ -134,7 +134,7 @@ void compare(Case given, int substeps, int order, std::vector<std::string> state
       const auto& number = runs.numbers()[group[n]];
       const auto& [means, by_run] = derivatives[n];
       EXPECT_FALSE(by_run) << number.name;
-      const auto exact = runs.difference(group[n], number.is_delay() ? given.delay_step : given.step);
+      const auto exact = runs.difference(group[n], number.is_of_clock() ? given.delay_step : given.step);
       ASSERT_TRUE(means && exact) << number.name;
       EXPECT_LT(error_of(means->innovation, exact->innovation), given.tolerance) << number.name;
       EXPECT_LT(error_of(means->unknowns, exact->unknowns), given.tolerance) << number.name;

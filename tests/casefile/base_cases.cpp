@@ -83,7 +83,7 @@ excitation:
   road: {base_displacement: frame.ground, road: {class: B, speed: 10 m/s, band: [0.05, 1], duration: 20 s, fade_in: 0.1 s, seed: 1}}
   axle: {base_displacement: frame.left, trailing_axle: {input: road, wheelbase: 1 m, speed: 10 m/s}}
   later: {force: frame.2.y, delayed: {input: sine, delay: 0.1 s}}
-  measured: {force: frame.2.y, file: input.csv, channel: f, unit: N, delay: 0 s, prepare: {remove_trend: true, low_pass: 60 Hz}}
+  measured: {force: frame.2.y, file: input.csv, channel: f, unit: N, delay: 0 s, drift: 0 ppm, prepare: {remove_trend: true, low_pass: 60 Hz}}
   weight: {force: frame.1, constant: -9.81 N}
   shake: {base_acceleration: all, sine: {amplitude: 0.1 m/s^2, frequency: 3 Hz}}
 sensors:
@@ -175,7 +175,7 @@ excitation:
     bridge_gaps: 20 ms
     prepare: {remove_offset: {from: 1 s, to: 5 s}}
 sensors:
-  u: {displacement: car.u, noise: 0.1 mm, channel: x, gain: 1, offset: 0 mm, delay: 0 s}
+  u: {displacement: car.u, noise: 0.1 mm, channel: x, gain: 1, offset: 0 mm, delay: 0 s, drift: 0 ppm}
 record:
   file: release.csv
   start: 0.1 s
@@ -583,7 +583,7 @@ connectors:
 excitation:
   floor: {base_displacement: frame.left, file: live, channel: x}
 sensors:
-  a: {acceleration: frame.2, noise: 0.1 m/s^2, channel: a1, gain: 2, offset: 0.1, delay: 0.01 s}
+  a: {acceleration: frame.2, noise: 0.1 m/s^2, channel: a1, gain: 2, offset: 0.1, delay: 0.01 s, drift: 0}
 live:
   sample_rate: 200 Hz
   unit: m/s^2

@@ -265,7 +265,7 @@ void missing_samples() {
   near(study.record->record.values(0, 5), 5.0);
 }
 
-/// The channel holds gain signal(t - delay) + offset.
+/// The channel holds gain signal + offset, late by delay + drift t.
 void calibrations_of_channels() {
   write_file("record.csv", csv_of(10.0, {{"y", ramp}}));
   const auto values = [](const std::string& more) {
@@ -281,6 +281,9 @@ void calibrations_of_channels() {
   EXPECT_THROW(values(", offset: 3 m/s"), InvalidInput);
   near(values(", delay: 0.2 s")[4], ramp[6], many_roundings);
   EXPECT_EQ(values(", delay: 0.2 s").array().isNaN().count(), 2);
+  near(values(", drift: 5 %")[0], ramp[0], many_roundings);
+  EXPECT_EQ(values(", delay: 0.2 s, drift: 50000 ppm").array().isNaN().count(), 2);  // 0.24 s at 0.8 s
+  EXPECT_THROW(values(", drift: 50"), InvalidInput);
 }
 
 /// A channel of another file stands at its own times; a file of another rate leaves the samples between missing.
@@ -493,7 +496,7 @@ KeyChecks sensor_and_record_keys() {
   add("sensors.*.", {"channel"}, record_columns);
   add("sensors.*.", {"unit"}, units_of_channels);
   add("sensors.*.", {"accept_constant"}, constant_channels);
-  add("sensors.*.", {"gain", "offset", "delay"}, calibrations_of_channels);
+  add("sensors.*.", {"gain", "offset", "delay", "drift"}, calibrations_of_channels);
   add("record.prepare.",
       {"remove_offset.from", "remove_offset.to", "remove_trend", "high_pass", "low_pass", "sample_rate"}, preparations);
   add("record.", {"file"}, record_columns);

@@ -34,7 +34,7 @@ Record free_response(double duration) {
 TEST(FreeResponsePart, IsRelativeToTheRestAndEndsLearningAfterTheMotion) {
   PreparedRecord prepared{free_response(4.0)};
   take_free_response(prepared, {.delay = 0.1, .threshold = 0.01, .margin = 0.3});
-  const auto& [record, preparation, found] = prepared;
+  const auto& [record, preparation, found, began] = prepared;
   ASSERT_TRUE(found && found->rest);
   EXPECT_FALSE(found->rest_is_unknown());
   EXPECT_NEAR(found->position[0], 0.005, 1e-12);

@@ -50,10 +50,14 @@ inline Record faulty_record(const EstimationProblem& problem, const Eigen::Matri
 }
 
 inline LikelihoodUnknown unknown_gain(const std::string& sensor, double deviation) {
-  return {"sensors." + sensor + ".gain", LikelihoodUnknownKind::sensor_gain, sensor, "-", 1.0, deviation};
+  return {"sensors." + sensor + ".gain", LikelihoodUnknownKind::sensor_gain, {sensor}, "-", 1.0, deviation};
 }
 inline LikelihoodUnknown unknown_delay(const std::string& sensor, double deviation) {
-  return {"sensors." + sensor + ".delay", LikelihoodUnknownKind::sensor_delay, sensor, "s", 0.0, deviation};
+  return {"sensors." + sensor + ".delay", LikelihoodUnknownKind::sensor_delay, {sensor}, "s", 0.0, deviation};
+}
+/// One clock of several sensors.
+inline LikelihoodUnknown unknown_drift(const std::vector<std::string>& sensors, double deviation) {
+  return {"sensors.rack.drift", LikelihoodUnknownKind::sensor_drift, sensors, "-", 0.0, deviation};
 }
 
 }  // namespace kalfem::test

@@ -46,6 +46,35 @@ TEST(LikelihoodUnknowns, GainOffsetAndDelayAreFoundBesideTheSuspension) {
   EXPECT_NEAR(estimate.consistency.mean_nis, 4.0, 0.2);
 }
 
+// A rack of two sensors runs 2000 ppm fast, 8 samples at the end; its delay at the start is another unknown of one of
+// them. The signals are those of the fine simulation at the motion's time, by a straight line: error 1e-4 of the
+// motion.
+TEST(LikelihoodUnknowns, DriftOfARackIsFoundBesideADelay) {
+  EstimationProblem problem = chain_problem();
+  constexpr double drift = 2e-3, delay = 3e-3;
+  const auto fine = fine_chain_signals(problem, 4.0);
+  Record record = faulty_record(problem, fine, {{}, {}, {}, {}}, 4);
+  for (const auto& [row, late] : {std::pair{1, 0.0}, {2, delay}})
+    for (Index k = 0; k < record.samples(); ++k) {
+      const double at = std::max(0.0, 4.0 * chain_rate * (record.time(k) - late) / (1.0 + drift));
+      const auto value = [&](double place) {
+        const auto left = std::min(static_cast<Index>(place), fine.cols() - 2);
+        return fine(row, left) + (place - static_cast<double>(left)) * (fine(row, left + 1) - fine(row, left));
+      };
+      record.values(row, k) += value(at) - fine(row, 4 * k);
+    }
+  problem.settings.likelihood_unknowns = {unknown_drift({"a4", "a6"}, 1e-3), unknown_delay("a6", 5e-3)};
+  const auto estimate = estimated(problem, record);
+  ASSERT_TRUE(estimate.likelihood);
+  const auto& found = *estimate.likelihood;
+  EXPECT_TRUE(found.converged);
+  EXPECT_NEAR(found.values[0], drift, 4.0 * found.deviation[0]);
+  EXPECT_LT(found.deviation[0], 0.02 * drift);
+  EXPECT_NEAR(found.values[1], delay, 4.0 * found.deviation[1]);
+  EXPECT_EQ(found.unknowns[0].since, record.start);
+  EXPECT_NEAR(estimate.consistency.mean_nis, 4.0, 0.2);
+}
+
 TEST(LikelihoodUnknowns, ASensorThatIsTurnedHasANegativeGain) {
   EstimationProblem problem = chain_problem();
   const Record record = faulty_record(problem, fine_chain_signals(problem, 3.0), {{.gain = -1.0}, {}, {}, {}}, 2);
@@ -85,8 +114,11 @@ TEST(LikelihoodUnknowns, NoiseThatIsStatedWrongIsFound) {
     for (auto& channel : stated.channels) {
       channel.noise *= factor;
       problem.settings.likelihood_unknowns.push_back({"sensors." + channel.name + ".noise",
-                                                      LikelihoodUnknownKind::sensor_noise, channel.name, channel.unit,
-                                                      channel.noise, 3.0 * channel.noise});
+                                                      LikelihoodUnknownKind::sensor_noise,
+                                                      {channel.name},
+                                                      channel.unit,
+                                                      channel.noise,
+                                                      3.0 * channel.noise});
     }
     const auto estimate = estimated(problem, stated);
     ASSERT_TRUE(estimate.likelihood) << factor;

@@ -54,9 +54,9 @@ inline EstimationProblem linear_problem(const LinearNumbers& numbers = {}) {
        {std::pair{"frame.1.mass", 0.2}, {"frame.b.stiffness", 30.0}, {"frame.a.damping", 0.3}})
     problem.settings.unknowns.push_back(unknown(*structure, name, parameter(*structure, name).value, deviation));
   using enum LikelihoodUnknownKind;
-  problem.settings.likelihood_unknowns = {{"gain", sensor_gain, "d", "-", 1.0, 0.1},
-                                          {"noise", sensor_noise, "d", "m", numbers.noise, 1e-3},
-                                          {"density", process_noise, "", "m/s^2/sqrt(Hz)", numbers.density, 0.1}};
+  problem.settings.likelihood_unknowns = {{"gain", sensor_gain, {"d"}, "-", 1.0, 0.1},
+                                          {"noise", sensor_noise, {"d"}, "m", numbers.noise, 1e-3},
+                                          {"density", process_noise, {}, "m/s^2/sqrt(Hz)", numbers.density, 0.1}};
   problem.offsets = {{.name = "offset", .sensor = "d", .deviation = 1e-2}};
   problem.settings.initial_state = {{"all", {{0.0, 0.0, 1e-2, 5e-2}}}};
   problem.settings.process_noise.acceleration = numbers.density;

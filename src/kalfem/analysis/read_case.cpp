@@ -6,6 +6,7 @@
 #include "kalfem/analysis/case_origin.hpp"
 #include "kalfem/analysis/expressible.hpp"
 #include "kalfem/analysis/read_updating.hpp"
+#include "kalfem/identification/measurement_unknowns.hpp"
 #include "kalfem/steps/simulation/compute.hpp"
 #include "kalfem/study/study.hpp"
 
@@ -44,6 +45,13 @@ std::vector<SensorDescription> sensors_of(const Study& study, const Record& reco
   return sensors;
 }
 
+/// The numbers that share an unknown, if it has a name of its own.
+std::vector<std::string> applies_to(const LikelihoodUnknown& unknown) {
+  std::vector<std::string> numbers;
+  for (const auto& sensor : unknown.sensors) numbers.push_back("sensors." + sensor + "." + quantity_of(unknown.name));
+  return numbers == std::vector{unknown.name} ? std::vector<std::string>{} : numbers;
+}
+
 /// Unknowns of the structure, then those of the measurement.
 std::vector<UnknownDescription> unknowns_of(const EstimationProblem& problem) {
   std::vector<UnknownDescription> unknowns;
@@ -60,7 +68,8 @@ std::vector<UnknownDescription> unknowns_of(const EstimationProblem& problem) {
     unknowns.push_back(
         {offset.name, {.initial = offset.initial, .std = offset.deviation, .random_walk = offset.random_walk}});
   for (const auto& unknown : problem.settings.likelihood_unknowns)
-    unknowns.push_back({unknown.name, {.initial = unknown.initial, .std = unknown.deviation}});
+    unknowns.push_back(
+        {unknown.name, {.initial = unknown.initial, .std = unknown.deviation, .applies_to = applies_to(unknown)}});
   return unknowns;
 }
 

@@ -34,8 +34,8 @@ struct Prior {
 };
 
 /// An unknown: {"suspension.mu_k1", {.initial = 10, .std = 5}}; a parameter of the structure, or a number of the
-/// measurement: "sensors.a3.offset", a state of the filter, and "sensors.a3.gain", ".delay", ".noise" and
-/// "process_noise", which are found by maximum likelihood as one number for the record.
+/// measurement: "sensors.a3.offset", a state of the filter, and "sensors.a3.gain", ".delay",
+/// ".drift", ".noise" and "process_noise", which are found by maximum likelihood as one number for the record.
 struct UnknownDescription {
   std::string name;
   Prior prior = {};
@@ -110,12 +110,12 @@ struct FixedNumberEffect {
   std::string name, unit;
   std::string group;  ///< "masses" and so on, as KnownTo names them
   double value = 0.0;
-  double scale = 1.0;                ///< |value|; of a delay 1 s; of a number that is 0 its stated deviation
-  double known_to = 0.0;             ///< stated standard deviation [scale]; 0: taken as exact
-  double asked = 0.0;                ///< the change that makes the record most likely, the parameters estimated along
-  double asked_std = 0.0;            ///< infinite where the record does not tell
-  double log_likelihood_gain = 0.0;  ///< by that change
-  std::vector<double> shift = {};    ///< of every parameter's estimate by a change of one scale [its unit]
+  double scale = 1.0;      ///< |value|; of a delay 1 s, of a drift 1; of a number that is 0 its stated deviation
+  double known_to = 0.0;   ///< stated standard deviation [scale]; 0: taken as exact
+  double asked = 0.0;      ///< the change that makes the record most likely, the parameters estimated along
+  double asked_std = 0.0;  ///< infinite where the record does not tell
+  double log_likelihood_gain = 0.0;     ///< by that change
+  std::vector<double> shift = {};       ///< of every parameter's estimate by a change of one scale [its unit]
   std::vector<double> considered = {};  ///< standard deviation that `known_to` adds to every parameter [its unit]
 };
 

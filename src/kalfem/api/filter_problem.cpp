@@ -91,20 +91,25 @@ Unknown unknown_of(const UnknownDescription& given, const ParameterSet& all, con
 /// An unknown of the measurement, whose sensor must be one of the problem's.
 void add_of_measurement(const UnknownDescription& given, EstimationProblem& problem) {
   const auto& [name, prior] = given;
-  const std::string sensor = measured_sensor(name);
   std::vector<std::string> known;
   for (const auto& each : problem.sensors) known.push_back(each.name);
-  if (!sensor.empty() && std::ranges::find(known, sensor) == known.end())
-    throw InvalidInput("there is no sensor '" + sensor + "'" + did_you_mean(sensor, known), "",
-                       "name one of `sensors`");
+  for (const auto& sensor : measured_sensors(name, prior.applies_to))
+    if (std::ranges::find(known, sensor) == known.end())
+      throw InvalidInput("there is no sensor '" + sensor + "'" + did_you_mean(sensor, known), "",
+                         "name one of `sensors`");
   if (!prior.initial)
     throw InvalidInput("it has no initial value", "the structure has no number of that name", "give one");
-  if (prior.transform || !prior.applies_to.empty() || (prior.random_walk != 0.0 && is_found_by_likelihood(name)))
-    throw InvalidInput("it has a transform, a random walk or other parameters that share it",
+  if (prior.transform || (prior.random_walk != 0.0 && is_found_by_likelihood(name)))
+    throw InvalidInput("it has a transform or a random walk",
                        "a number of the measurement is one for the record; an offset alone may drift",
                        "leave them out");
   const auto deviation = prior.std != 0.0 ? std::optional(prior.std) : std::nullopt;
-  add_measurement_unknown(name, {*prior.initial, deviation, prior.random_walk}, problem);
+  add_measurement_unknown(name,
+                          {.initial = *prior.initial,
+                           .deviation = deviation,
+                           .random_walk = prior.random_walk,
+                           .applies_to = prior.applies_to},
+                          problem);
 }
 
 Sensor sensor_of(const SensorDescription& given, const CoupledModel& model) {

@@ -156,10 +156,13 @@ Schema<Sensor> sensor_of_any_quantity() {
           .optional("accept_constant", &Sensor::accept_constant, boolean(),
                     "accept a channel with the same value throughout; otherwise it is refused as a dead sensor")
           .optional("gain", &Sensor::gain, number("-"),
-                    "of a measured record: the channel holds gain signal(t - delay) + offset; negative for a sensor "
-                    "that looks the other way")
+                    "of a measured record: the channel holds gain signal + offset, late by delay + drift t; negative "
+                    "for a sensor that looks the other way")
           .optional("offset", &Sensor::offset, value(), "offset of the channel, in the sensor's unit")
-          .optional("delay", &Sensor::delay, number("s", plausible::clock()), "the channel is late by this"));
+          .optional("delay", &Sensor::delay, number("s", plausible::clock()), "the channel is late by this")
+          .optional("drift", &Sensor::drift, number("-", plausible::drift()),
+                    "by so much its clock runs fast, as 50 ppm: a time t after the first sample of the record it is "
+                    "late by delay + drift t"));
 }
 
 /// The same, with g as gravity in the values of an accelerometer.

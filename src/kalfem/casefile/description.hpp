@@ -139,9 +139,10 @@ struct Sensor {
   std::optional<Located<double>> mass;                 ///< between a load cell and its connector [kg]
   ConnectorEnd mass_at = ConnectorEnd::to;             ///< the end that carries it
   bool accept_constant = false;                        ///< the channel may hold one value throughout
-  double gain = 1.0;                                   ///< its channel holds gain signal(t - delay) + offset
+  double gain = 1.0;                                   ///< its channel holds gain signal + offset, late by its clock
   std::optional<Value> offset;                         ///< in the sensor's unit
-  double delay = 0.0;                                  ///< [s]
+  double delay = 0.0;                                  ///< of its clock [s]
+  double drift = 0.0;                                  ///< of its clock [s/s], see ClockLag
 };
 
 struct FreeResponse {

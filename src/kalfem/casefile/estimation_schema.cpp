@@ -142,11 +142,13 @@ Schema<Estimation> estimation() {
                          {"ekf", FilterKind::extended, "first-order linearisation"}}),
                     "the estimator")
           .inlined(&Estimation::unscented, unscented)
-          .optional("unknown", &Estimation::unknown, named(unknown(), NameRule::dotted),
-                    "unknown parameters: connector.parameter, substructure.spring.stiffness, ....damping, "
-                    "substructure.mass.mass, any other parameter of a linear substructure that `update` accepts, or a "
-                    "name of your own with applies_to; of the measurement: sensors.NAME.offset, which may drift, and "
-                    "sensors.NAME.gain, .delay or .noise and process_noise, which are found by maximum likelihood")
+          .optional(
+              "unknown", &Estimation::unknown, named(unknown(), NameRule::dotted),
+              "unknown parameters: connector.parameter, substructure.spring.stiffness, ....damping, "
+              "substructure.mass.mass, any other parameter of a linear substructure that `update` accepts, or a "
+              "name of your own with applies_to; of the measurement: sensors.NAME.offset, which may drift, and "
+              "sensors.NAME.gain, .delay, .drift or .noise and process_noise, which are found by maximum likelihood; "
+              "with applies_to several sensors share a gain, delay or drift")
           .optional("initial_state", &Estimation::initial_state, named(located(mapping(prior)), NameRule::dotted),
                     "prior of degrees of freedom that may not start at rest at zero; `all` for every one")
           .optional("initial_state_from_record", &Estimation::initial_state_from_record, boolean(),
@@ -200,7 +202,8 @@ Schema<Estimation> estimation() {
           .optional("known_to", &Estimation::known_to, named(value(), NameRule::dotted),
                     "standard deviations of numbers that are held fixed, which intervals and bands then hold: a "
                     "percentage, or in the number's unit. By group (masses, stiffnesses, damping, laws, gains, "
-                    "excitations, delays) or by name (frame.3.mass, a1.gain, a1.delay, road.gain, or frame for all of "
+                    "excitations, delays, drifts) or by name (frame.3.mass, a1.gain, a1.delay, road.gain, or frame for "
+                    "all of "
                     "it); the longest name counts")
           .optional("free", &Estimation::free,
                     choice<FreeNumbers>(

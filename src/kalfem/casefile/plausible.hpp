@@ -18,6 +18,7 @@ inline Bounds frequency() { return {.low = 0.0, .high = 1e12, .low_open = true};
 inline Bounds duration() { return {.low = 0.0, .high = 1e8, .low_open = true}; }    ///< [s], three years
 inline Bounds time() { return Bounds::between(0.0, 1e8); }                          ///< [s], a duration or zero
 inline Bounds clock() { return Bounds::between(-1e12, 1e12); }                      ///< [s], a time stamp
+inline Bounds drift() { return Bounds::between(-0.1, 0.1); }                        ///< [s/s], of a clock
 inline Bounds sensor_delay() { return Bounds::between(0.0, 100.0); }                ///< [s], of a measurement chain
 
 }  // namespace kalfem::plausible

@@ -63,18 +63,24 @@ std::string to_estimate(const RecordEstimate& estimate, const FixedNumber& numbe
   return "estimate it: add '" + name_as_unknown(number) + "' to estimate.unknown" + better + "; or ";
 }
 
+/// Unit in which a change is told, and how many of it the number's scale has.
+std::pair<double, std::string> told_in(const FixedNumber& number) {
+  if (number.is_delay()) return {1e3, "ms"};
+  if (number.is_drift()) return {1e6, "ppm"};
+  return number.value == 0.0 ? std::pair(number.scale, number.unit) : std::pair(100.0, std::string("%"));
+}
+
 std::string remedy_for(const RecordEstimate& estimate, const FixedNumber& number, double asked) {
-  const double stated = std::max(std::abs(asked), 1e-6);
-  return to_estimate(estimate, number) + fmt::format("state how well it is known, known_to: {{{}: {}}}", number.name,
-                                                     number.is_delay() ? fmt::format("{:.1g} ms", 1e3 * stated)
-                                                                       : fmt::format("{:.1g} %", 100.0 * stated));
+  const auto [factor, unit] = number.is_of_clock() ? told_in(number) : std::pair(100.0, std::string("%"));
+  const double stated = std::max(factor * std::abs(asked), 1e-4);
+  return to_estimate(estimate, number) +
+         fmt::format("state how well it is known, known_to: {{{}: {:.1g} {}}}", number.name, stated, unit);
 }
 
 }  // namespace
 
 std::string change_in_words(const FixedNumber& number, double change, std::optional<double> deviation) {
-  const double factor = number.is_delay() ? 1e3 : number.value == 0.0 ? number.scale : 100.0;
-  const std::string unit = number.is_delay() ? "ms" : number.value == 0.0 ? number.unit : "%";
+  const auto [factor, unit] = told_in(number);
   const std::string changed = fmt::format("{:+.3g} {}", factor * change, unit);
   return deviation ? fmt::format("{} +- {:.2g} {}", changed, factor * *deviation, unit) : changed;
 }

@@ -11,7 +11,8 @@
 
 namespace kalfem {
 
-/// The change of a number in words: "+0.98 % +- 0.06 %", of a delay "+0.2 ms +- 0.01 ms".
+/// The change of a number in words: "+0.98 % +- 0.06 %", of a delay "+0.2 ms +- 0.01 ms", of a drift "+50 ppm +- 2
+/// ppm".
 std::string change_in_words(const FixedNumber& number, double change, std::optional<double> deviation = {});
 
 /// The likeliest of asked_numbers() is the reason `fixed_parameter`, and a cause. Where the

@@ -94,6 +94,7 @@ Likeness likeness(const Eigen::Ref<const MatrixXd>& recorded, const Eigen::Ref<c
     found.lag = lag;
     found.correlation = value / std::sqrt(of_x * of_y);
   }
+  found.clock = fit_clock(recorded, predicted, reach);
   return found;
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "kalfem/diagnosis/clock_fit.hpp"
 #include "kalfem/diagnosis/hypothesis.hpp"
 
 namespace kalfem {
@@ -23,6 +24,7 @@ struct Likeness {
   double gain = 0.0;         ///< least squares without lag
   double offset = 0.0;       ///< mean of y - prediction
   bool known = false;        ///< whether enough samples are there
+  std::optional<ClockFit> clock = {};
 };
 
 /// Over pairs of samples that are both there, lags up to `most` on either side. Several rows share one lag and one

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "kalfem/diagnosis/candidates.hpp"
+#include "kalfem/records/clock_lag.hpp"
 
 namespace kalfem {
 
@@ -19,11 +20,52 @@ constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 constexpr double like_a_unit = 0.15;      ///< relative distance of a gain from a mistake of units
 constexpr double worth_a_gain = 0.03;     ///< relative
 constexpr double worth_a_delay = 0.15;    ///< correlation at its lag
+constexpr double worth_a_drift = 4.0;     ///< standard deviations
+constexpr Index unknown_ends = 10;        ///< samples at an end that are not known at other times
 constexpr double clipped_samples = 2e-3;  ///< of all, at the channel's extremes
 constexpr Index most_swapped = 6;         ///< sensors that are exchanged in pairs
 
 /// Samples of a channel that are there.
 Index present(const Eigen::Ref<const VectorXd>& channel) { return channel.array().isFinite().count(); }
+
+bool drifts(const ClockFit& clock) { return std::abs(clock.drift) > worth_a_drift * clock.drift_deviation; }
+
+/// Channels with a clock that was late by a delay at the record's start and drifts. What comes from near their ends is
+/// missing.
+Hypothesis drifting(const DiagnosisInput& input, const std::vector<std::string>& names, const ClockFit& clock) {
+  const Record& record = input.record;
+  const bool late = std::abs(clock.delay) > worth_a_drift * clock.delay_deviation && std::abs(clock.delay) > 0.5;
+  const double delay = late ? clock.delay / record.sample_rate : 0.0;
+  const std::string all = fmt::format("{}", fmt::join(names, ", "));
+  const auto correct = [&input, names, delay](double drift) {
+    Record corrected = input.record;
+    for (const auto& name : names) {
+      const Index row = corrected.find(name);
+      corrected.values.row(row) = without_lag(input.record, row, {delay, drift, input.record.start}).transpose();
+      const Index unknown = std::min(unknown_ends, corrected.samples());
+      corrected.values.row(row).tail(unknown).setConstant(not_a_number);
+      if (delay != 0.0) corrected.values.row(row).head(unknown).setConstant(not_a_number);
+    }
+    return CorrectedRun{input.run_over(corrected), 0.0};
+  };
+  const auto words = [all, delay](double drift, const auto&) {
+    const std::string also =
+        delay == 0.0 ? "" : fmt::format(", {} ms late at the start of the record", in_words(1e3 * delay));
+    return fmt::format("the clock of '{}' runs {} ppm {}{}", all, in_words(1e6 * std::abs(drift)),
+                       drift > 0.0 ? "fast" : "slow", also);
+  };
+  const std::string unknown = delay == 0.0 ? ".drift" : ".drift and .delay";
+  return {.code = "sensor_drift",
+          .subject = all,
+          .starts = {clock.drift},
+          .search = Search::offset,
+          .step = std::max(clock.drift_deviation, 0.02 / static_cast<double>(record.samples())),
+          .fitted = late ? 2 : 1,
+          .correct = correct,
+          .words = words,
+          .remedy = fmt::format("state it as `drift` of '{}' in `sensors`; or estimate it: sensors.{}{}", all,
+                                names.front(), unknown)};
+}
 
 /// Changes of one channel of a run.
 class ChannelHypotheses {
@@ -41,6 +83,7 @@ public:
     add_sign();
     add_gain();
     add_delay();
+    add_drift();
     add_offset();
     add_saturation();
     add_noise();
@@ -121,6 +164,10 @@ private:
     const Index count = recorded_.size() - std::abs(lag);
     if (count > 0) moved.segment(std::max<Index>(-lag, 0), count) = recorded_.segment(std::max<Index>(lag, 0), count);
     return moved;
+  }
+
+  void add_drift() {
+    if (likeness_.clock && drifts(*likeness_.clock)) found_.push_back(drifting(input_, {name_}, *likeness_.clock));
   }
 
   void add_offset() {
@@ -231,6 +278,31 @@ void add_swapped(const DiagnosisInput& input, const FilterRun& base, const std::
     }
 }
 
+/// Channels of one rack: those whose clocks drift alike.
+void add_drifting_rack(const DiagnosisInput& input, const FilterRun& base, const std::vector<Likeness>& likeness,
+                       std::vector<Hypothesis>& found) {
+  constexpr double alike = 0.15;
+  std::vector<std::string> best;
+  ClockFit of_best;
+  for (const auto& one : likeness) {
+    if (!one.clock || !drifts(*one.clock)) continue;
+    std::vector<std::string> names;
+    ClockFit sum;
+    for (std::size_t i = 0; i < likeness.size(); ++i) {
+      const auto& other = likeness[i].clock;
+      if (!other || !(std::abs(other->drift - one.clock->drift) < alike * std::abs(one.clock->drift))) continue;
+      names.push_back(base.input.measured.channels[i].name);
+      sum.drift += other->drift;
+      sum.drift_deviation = std::max(sum.drift_deviation, other->drift_deviation);
+    }
+    if (names.size() < 2 || names.size() <= best.size()) continue;
+    of_best = sum;
+    of_best.drift /= static_cast<double>(names.size());
+    best = names;
+  }
+  if (!best.empty()) found.push_back(drifting(input, best, of_best));
+}
+
 /// A factor of every channel alike: a record in other units.
 void add_gain_of_all(const DiagnosisInput& input, const FilterRun& base, const Likeness& of_all,
                      std::vector<Hypothesis>& found) {
@@ -267,6 +339,7 @@ std::vector<Hypothesis> sensor_hypotheses(const DiagnosisInput& input, const Fil
     found.insert(found.end(), std::make_move_iterator(own.begin()), std::make_move_iterator(own.end()));
   }
   add_swapped(input, base, likeness, found);
+  add_drifting_rack(input, base, likeness, found);
   add_gain_of_all(input, base, of_all, found);
   return found;
 }

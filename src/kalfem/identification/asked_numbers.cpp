@@ -22,9 +22,12 @@ bool is_confirmed(const FixedNumberStudy& study, Index i) {
 
 /// Connector forces that are polynomials over a substep act like a delay of a part of it.
 bool is_beyond_the_step(const RecordEstimate& estimate, Index i) {
-  const double substep = 1.0 / (estimate.measurements.sample_rate * estimate.substeps.substeps);
-  return !estimate.fixed_numbers->numbers[static_cast<std::size_t>(i)].is_delay() ||
-         std::abs(estimate.fixed_numbers->asked[i]) > part_of_substep * substep;
+  const auto& record = estimate.measurements;
+  const auto& number = estimate.fixed_numbers->numbers[static_cast<std::size_t>(i)];
+  const double substep = 1.0 / (record.sample_rate * estimate.substeps.substeps);
+  const double late =
+      std::abs(estimate.fixed_numbers->asked[i]) * (number.is_drift() ? record.end() - record.start : 1.0);
+  return !number.is_of_clock() || late > part_of_substep * substep;
 }
 
 bool moves_an_unknown(const RecordEstimate& estimate, Index i) {

@@ -77,11 +77,14 @@ std::optional<std::vector<MatrixXd>> candidate_information(const EstimationProbl
 EstimationProblemPtr with_sensors(const EstimationProblem& problem, const std::vector<CandidateSensor>& set) {
   auto own = std::make_shared<EstimationProblem>(problem);
   own->sensors = channels_of(set);
-  const auto absent = [&](const auto& each) {
-    return !each.sensor.empty() && std::ranges::find(own->sensors, each.sensor, &Sensor::name) == own->sensors.end();
+  const auto absent = [&](const std::string& sensor) {
+    return std::ranges::find(own->sensors, sensor, &Sensor::name) == own->sensors.end();
   };
-  std::erase_if(own->offsets, absent);
-  std::erase_if(own->settings.likelihood_unknowns, absent);
+  std::erase_if(own->offsets, [&](const auto& each) { return absent(each.sensor); });
+  for (auto& unknown : own->settings.likelihood_unknowns) std::erase_if(unknown.sensors, absent);
+  std::erase_if(own->settings.likelihood_unknowns, [](const auto& each) {
+    return each.sensors.empty() && each.kind != LikelihoodUnknownKind::process_noise;
+  });
   return own;
 }
 

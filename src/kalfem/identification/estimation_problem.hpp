@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -105,17 +106,25 @@ inline SensorOffset rest_position(const std::string& sensor, double deviation) {
 /// Whether the offset belongs to one record, whose sensor does not show its rest.
 inline bool is_rest_position(const SensorOffset& offset) { return offset.name == "rest." + offset.sensor; }
 
-enum class LikelihoodUnknownKind { sensor_delay, sensor_gain, sensor_noise, process_noise };
+enum class LikelihoodUnknownKind { sensor_delay, sensor_drift, sensor_gain, sensor_noise, process_noise };
 
 /// An unknown of the measurement or of the noise, for which the filter has no state. It is found by maximum likelihood.
 struct LikelihoodUnknown {
   std::string name;
   LikelihoodUnknownKind kind = LikelihoodUnknownKind::sensor_delay;
-  std::string sensor = {};  ///< empty for process noise
+  std::vector<std::string> sensors = {};  ///< that share it; none for process noise
   std::string unit = {};
   double initial = 0.0;    ///< prior mean (median of gains and noise)
   double deviation = 0.0;  ///< prior standard deviation
   std::optional<double> truth = {};
+  std::optional<double> since = {};  ///< of a clock, ClockLag::since; empty: the record's first sample
+
+  [[nodiscard]] bool is_of_clock() const {
+    return kind == LikelihoodUnknownKind::sensor_delay || kind == LikelihoodUnknownKind::sensor_drift;
+  }
+  [[nodiscard]] bool is_of(const std::string& sensor) const {
+    return std::ranges::find(sensors, sensor) != sensors.end();
+  }
 };
 
 /// Settings of the filter.
@@ -124,6 +133,7 @@ struct EstimationSettings {
   UnscentedOptions unscented = {};
   std::vector<Unknown> unknowns = {};
   std::vector<LikelihoodUnknown> likelihood_unknowns = {};
+  std::optional<double> clocks_since = {};  ///< ClockLag::since of drifts; empty: the record's first sample
   std::vector<UnknownInput> unknown_inputs = {};
   Named<Located<PointPrior>> initial_state = {};  ///< by degree of freedom; "all" for those without an entry
   bool initial_state_from_record = false;         ///< displacements and velocities from the displacement sensors

@@ -6,18 +6,20 @@
 #include <cmath>
 
 #include "kalfem/base/units.hpp"
+#include "kalfem/identification/measurement_unknowns.hpp"
 
 namespace kalfem {
 
 namespace {
 
-constexpr std::array<std::pair<FixedNumberKind, const char*>, 7> groups{{{FixedNumberKind::mass, "masses"},
+constexpr std::array<std::pair<FixedNumberKind, const char*>, 8> groups{{{FixedNumberKind::mass, "masses"},
                                                                          {FixedNumberKind::stiffness, "stiffnesses"},
                                                                          {FixedNumberKind::damping, "damping"},
                                                                          {FixedNumberKind::law, "laws"},
                                                                          {FixedNumberKind::gain, "gains"},
                                                                          {FixedNumberKind::excitation, "excitations"},
-                                                                         {FixedNumberKind::delay, "delays"}}};
+                                                                         {FixedNumberKind::delay, "delays"},
+                                                                         {FixedNumberKind::drift, "drifts"}}};
 
 /// The value of a parameter in the parts of this run, which an updating may have changed.
 double present_value(const StructureParts& parts, const Parameter& parameter) {
@@ -56,7 +58,7 @@ std::string name_of(const std::string& source) { return source.starts_with('@') 
 
 bool is_found_by_likelihood(const EstimationSettings& settings, LikelihoodUnknownKind kind, const std::string& sensor) {
   return std::ranges::any_of(settings.likelihood_unknowns,
-                             [&](const auto& each) { return each.kind == kind && each.sensor == sensor; });
+                             [&](const auto& each) { return each.kind == kind && each.is_of(sensor); });
 }
 
 bool is_unknown_input(const EstimationSettings& settings, const std::string& name) {
@@ -78,7 +80,7 @@ const KnownTo* stated_of(const std::vector<KnownTo>& all, const FixedNumber& num
 
 void take_stated(const std::vector<KnownTo>& stated, FixedNumber& number) {
   const KnownTo* known = stated_of(stated, number);
-  if (!known || (known->relative && (number.is_delay() || number.value == 0.0))) return;
+  if (!known || (known->relative && (number.is_of_clock() || number.value == 0.0))) return;
   if (number.scale == 0.0) number.scale = known->deviation;
   number.deviation = known->relative ? known->deviation : known->deviation / number.scale;
 }
@@ -135,10 +137,17 @@ std::vector<FixedNumber> held_numbers(const EstimationProblem& problem, const St
     number.name = of + ".delay", number.unit = "s", number.value = 0.0, number.kind = FixedNumberKind::delay;
     if (delay_is_fixed) all.push_back(number);
   };
-  for (const auto& sensor : setup.sensors)
+  for (const auto& sensor : setup.sensors) {
     add(sensor.name, FixedNumberKind::gain,
         !is_found_by_likelihood(settings, LikelihoodUnknownKind::sensor_gain, sensor.name),
         !is_found_by_likelihood(settings, LikelihoodUnknownKind::sensor_delay, sensor.name));
+    if (!is_found_by_likelihood(settings, LikelihoodUnknownKind::sensor_drift, sensor.name))
+      all.push_back({.name = sensor.name + ".drift",
+                     .unit = "-",
+                     .scale = 1.0,
+                     .kind = FixedNumberKind::drift,
+                     .of_sensor = true});
+  }
   for (const auto& source : setup.input_sources)
     if (!source.empty() && !is_unknown_input(settings, source))
       add(name_of(source), FixedNumberKind::excitation, true, true);
@@ -179,7 +188,7 @@ void check_known_to(const EstimationProblem& problem, const StructureParts& part
                     IssueList& issues) {
   auto estimated = estimated_parameters(problem.settings, {});
   for (const auto& unknown : problem.settings.likelihood_unknowns)
-    if (!unknown.sensor.empty()) estimated.insert(unknown.name.substr(std::string("sensors.").size()));
+    for (const auto& sensor : unknown.sensors) estimated.insert(sensor + "." + quantity_of(unknown.name));
   check_known_to(problem.settings.known_to, held_numbers(problem, parts, setup, {}), estimated, issues);
 }
 
@@ -198,10 +207,10 @@ void check_known_to(const std::vector<KnownTo>& known_to, const std::vector<Fixe
     else if (std::ranges::none_of(all, is_named) && !is_group(stated.name))
       issues.add(stated.location, path + ": no fixed number has this name" + did_you_mean(stated.name, known), "",
                  "name a number as `sensitivity` of summary.json lists it, or one of masses, stiffnesses, damping, "
-                 "laws, gains, excitations, delays");
+                 "laws, gains, excitations, delays, drifts");
     const auto has_no_size = [&](const FixedNumber& number) {
-      return is_named(number) && (number.is_delay() ? stated.name != number.name.substr(0, number.name.rfind('.'))
-                                                    : number.scale == 0.0 && stated.name == number.name);
+      return is_named(number) && (number.is_of_clock() ? stated.name != number.name.substr(0, number.name.rfind('.'))
+                                                       : number.scale == 0.0 && stated.name == number.name);
     };
     std::set<std::string> units;
     for (const auto& number : all)

@@ -13,24 +13,26 @@
 namespace kalfem {
 
 /// What a number is, in the groups by which KnownTo names them.
-enum class FixedNumberKind { mass, stiffness, damping, law, gain, excitation, delay };
+enum class FixedNumberKind { mass, stiffness, damping, law, gain, excitation, delay, drift };
 
-/// "masses", "stiffnesses", "damping", "laws", "gains", "excitations", "delays".
+/// "masses", "stiffnesses", "damping", "laws", "gains", "excitations", "delays", "drifts".
 std::string group_of(FixedNumberKind kind);
 
-/// A number of an estimation that is held fixed: of the structure, the gain or delay of a sensor, or those of an
-/// excitation. A change of it is counted in its `scale`.
+/// A number of an estimation that is held fixed: of the structure, the gain or clock of a sensor, or gain and delay of
+/// an excitation. A change of it is counted in its `scale`.
 struct FixedNumber {
   std::string name;
   std::string unit = {};
   double value = 0.0;
-  double scale = 0.0;  ///< |value|; of a delay 1 s; of a number that is 0 its stated deviation
+  double scale = 0.0;  ///< |value|; of a delay 1 s, of a drift 1 s/s; of a number that is 0 its stated deviation
   FixedNumberKind kind = FixedNumberKind::law;
   std::optional<Parameter> parameter = {};  ///< of the structure
-  bool of_sensor = false;                   ///< a gain or delay of a sensor
+  bool of_sensor = false;                   ///< a gain, delay or drift of a sensor
   double deviation = 0.0;                   ///< stated by KnownTo [scale]; 0: taken as exact
 
   [[nodiscard]] bool is_delay() const { return kind == FixedNumberKind::delay; }
+  [[nodiscard]] bool is_drift() const { return kind == FixedNumberKind::drift; }
+  [[nodiscard]] bool is_of_clock() const { return is_delay() || is_drift(); }
 };
 
 /// Whether a name of KnownTo fits the number: its own, that of its owner or part, or its group.
@@ -56,7 +58,7 @@ std::vector<FixedNumber> fixed_numbers(const EstimationProblem& problem, const S
 std::vector<FixedNumber> stated_numbers(std::vector<FixedNumber> all, const std::vector<KnownTo>& known_to);
 
 /// Mistakes of what is stated of fixed numbers, which go to `issues`: a name that no number has, an unknown, a
-/// deviation that is not above 0 or a relative one above 100 %, a relative one of numbers that are 0 or of a delay.
+/// deviation that is not above 0 or a relative one above 100 %, a relative one of numbers that are 0 or of a clock.
 /// `estimated`: names of numbers that are not fixed.
 void check_known_to(const std::vector<KnownTo>& known_to, const std::vector<FixedNumber>& all,
                     const std::set<std::string>& estimated, IssueList& issues);

@@ -18,7 +18,7 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr std::size_t most_tried = 3;
-constexpr double usual_prior = 0.1;  ///< in the number's scale; of a delay the change that is asked for decides alone
+constexpr double usual_prior = 0.1;  ///< in the number's scale; of a clock the change that is asked for decides alone
 constexpr double prior_of_asked = 3.0;    ///< in the change that is asked for
 constexpr double learned = 2.0 / 3.0;     ///< of a record, before what is predicted
 constexpr double likelihood_runs = 20.0;  ///< that a search for a gain takes over what is learned from, about
@@ -100,7 +100,7 @@ private:
 
   static double prior_of(const FixedNumber& number, double asked) {
     if (number.deviation > 0.0) return number.deviation * number.scale;
-    return number.scale * std::max(number.is_delay() ? 0.0 : usual_prior, prior_of_asked * std::abs(asked));
+    return number.scale * std::max(number.is_of_clock() ? 0.0 : usual_prior, prior_of_asked * std::abs(asked));
   }
 
   [[nodiscard]] Run run_of(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
@@ -131,7 +131,7 @@ private:
     return run;
   }
 
-  /// A gain or delay, found from what is before the last third.
+  /// A gain, delay or drift, found from what is before the last third.
   [[nodiscard]] std::optional<Run> with_signal(const EstimationProblemPtr& with, TriedNumber& tried) const {
     Record before = record_;
     before.used = learned_;
@@ -173,7 +173,7 @@ std::vector<TriedNumber> FreedNumbers::kept() const {
 
 bool can_be_freed(const FixedNumber& number) {
   return number.parameter.has_value() || number.kind == FixedNumberKind::gain ||
-         (number.is_delay() && number.of_sensor);
+         (number.is_of_clock() && number.of_sensor);
 }
 
 std::string name_as_unknown(const FixedNumber& number) {

@@ -17,7 +17,7 @@ struct TriedNumber {
   std::string name;  ///< of the unknown: "s.2.mass", "sensors.a3.gain"
   FixedNumber number;
   double prior = 0.0;                   ///< its standard deviation as an unknown [its unit]
-  double value = 0.0, deviation = 0.0;  ///< found; of a gain or delay from what is before the last third
+  double value = 0.0, deviation = 0.0;  ///< found; of a gain or clock from what is before the last third
   /// ln p(last third | before) with it as an unknown, less that with it held fixed.
   double predicted = 0.0;
   bool kept = false;
@@ -41,7 +41,7 @@ struct FreedNumbers {
   [[nodiscard]] std::vector<TriedNumber> kept() const;
 };
 
-/// Whether a number can be an unknown: one of the structure, or a gain or delay of a sensor.
+/// Whether a number can be an unknown: one of the structure, or a gain, delay or drift of a sensor.
 bool can_be_freed(const FixedNumber& number);
 /// "sensors.a3.gain" of "a3.gain"; otherwise its own name.
 std::string name_as_unknown(const FixedNumber& number);
@@ -57,8 +57,9 @@ inline constexpr double fewest_predicted = 3.0;
 
 /// Tries the numbers that the record asks to change (asked_numbers()) as unknowns, one after another, the likeliest
 /// first, up to three of them. Each is a run of the filter over the record beside one as it was; both predict the last
-/// third of it sample by sample from what is before. A gain or delay is found by likelihood from the first two thirds.
-/// The first that predicts better by fewest_predicted is kept. Nothing where the budget does not allow the runs.
+/// third of it sample by sample from what is before. A gain, delay or drift is found by likelihood from the first two
+/// thirds. The first that predicts better by fewest_predicted is kept. Nothing where the budget does not allow the
+/// runs.
 struct NumberTrials {
   std::vector<TriedNumber> tried;
   std::vector<MovedEstimate> moved;

@@ -6,7 +6,7 @@
 #include <limits>
 #include <map>
 
-#include "kalfem/records/fractional_shift.hpp"
+#include "kalfem/records/clock_lag.hpp"
 
 namespace kalfem {
 
@@ -18,47 +18,77 @@ namespace {
 
 using Kind = LikelihoodUnknownKind;
 
-constexpr double reach_of_delays = 4.0;   ///< prior standard deviations
-constexpr int tried_delays = 41;          ///< over that reach
-constexpr double step_of_delays = 0.05;   ///< of the differences [samples]
+constexpr double reach_of_clocks = 4.0;   ///< prior standard deviations
+constexpr int tried_clocks = 41;          ///< over that reach
+constexpr double step_of_clocks = 0.05;   ///< of the differences [samples]
 constexpr double step_of_factors = 0.01;  ///< relative
 constexpr double by_chance = 5.0;         ///< standard deviations
 constexpr double told = 0.9;              ///< a deviation below this part of the prior's is told by the record
 
-/// Samples at either end of a record that a delay within its bounds may need.
-Index reach_of(const LikelihoodUnknown& unknown, double sample_rate) {
-  const double furthest = std::abs(unknown.initial) + reach_of_delays * unknown.deviation;
-  return static_cast<Index>(std::ceil(furthest * sample_rate)) + 1;
+/// What is late of one channel, and samples at its ends that clocks within the bounds may need.
+struct ChannelClock {
+  ClockLag lag;
+  Index head = 0, tail = 0;
+};
+
+double since_of(const LikelihoodUnknown& unknown, const Record& record) { return unknown.since.value_or(record.start); }
+
+/// Seconds by which a channel is late at a time for each unit of a delay or drift.
+double late_by_unit(const LikelihoodUnknown& unknown, const Record& record, double time) {
+  return unknown.kind == Kind::sensor_delay ? 1.0 : std::abs(time - since_of(unknown, record));
 }
 
-VectorXd without_delay(const VectorXd& channel, double samples, Index reach) {
-  VectorXd moved = shifted(channel, samples);
-  const Index cut = std::min(reach, moved.size());
-  moved.head(cut).setConstant(std::numeric_limits<double>::quiet_NaN());
-  moved.tail(cut).setConstant(std::numeric_limits<double>::quiet_NaN());
+/// Samples near a time that a delay or drift within its bounds may need.
+Index reach_of(const LikelihoodUnknown& unknown, const Record& record, double time) {
+  const double furthest = std::abs(unknown.initial) + reach_of_clocks * unknown.deviation;
+  return static_cast<Index>(std::ceil(furthest * late_by_unit(unknown, record, time) * record.sample_rate)) + 1;
+}
+
+/// The channels whose clocks are unknown.
+std::map<Index, ChannelClock> clocks_of(const std::vector<LikelihoodUnknown>& unknowns, const VectorXd& values,
+                                        const Record& record) {
+  std::map<Index, ChannelClock> clocks;
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    for (const auto& sensor : unknowns[i].sensors) {
+      const Index row = record.find(sensor);
+      if (row < 0 || !unknowns[i].is_of_clock()) continue;
+      auto& [lag, head, tail] = clocks[row];
+      lag.since = since_of(unknowns[i], record);
+      (unknowns[i].kind == Kind::sensor_delay ? lag.delay : lag.drift) += values[static_cast<Index>(i)];
+      head += reach_of(unknowns[i], record, record.start);
+      tail += reach_of(unknowns[i], record, record.end());
+    }
+  return clocks;
+}
+
+VectorXd with_true_clock(const Record& record, Index row, const ChannelClock& clock) {
+  VectorXd moved = without_lag(record, row, clock.lag);
+  moved.head(std::min(clock.head, moved.size())).setConstant(std::numeric_limits<double>::quiet_NaN());
+  moved.tail(std::min(clock.tail, moved.size())).setConstant(std::numeric_limits<double>::quiet_NaN());
   return moved;
 }
 
-/// The coordinate in which an unknown is searched: a delay in samples, the logarithm of everything else.
+/// The coordinate in which an unknown is searched: samples by which a clock is late, at the record's end where it
+/// drifts; the logarithm of everything else.
 struct Coordinate {
   const LikelihoodUnknown& unknown;
-  Index place;  ///< among all
-  double sample_rate;
-  double sign;  ///< of a gain
+  Index place;     ///< among all
+  double samples;  ///< late by, for each unit of a delay or drift
+  double sign;     ///< of a gain
 
-  [[nodiscard]] bool is_delay() const { return unknown.kind == Kind::sensor_delay; }
-  [[nodiscard]] double of(double value) const { return is_delay() ? value * sample_rate : std::log(std::abs(value)); }
-  [[nodiscard]] double value(double x) const { return is_delay() ? x / sample_rate : sign * std::exp(x); }
+  [[nodiscard]] bool is_of_clock() const { return unknown.is_of_clock(); }
+  [[nodiscard]] double of(double value) const { return is_of_clock() ? value * samples : std::log(std::abs(value)); }
+  [[nodiscard]] double value(double x) const { return is_of_clock() ? x / samples : sign * std::exp(x); }
   /// |d value / d x|
-  [[nodiscard]] double slope(double x) const { return is_delay() ? 1.0 / sample_rate : std::exp(x); }
+  [[nodiscard]] double slope(double x) const { return is_of_clock() ? 1.0 / samples : std::exp(x); }
   [[nodiscard]] double prior_deviation() const { return unknown.deviation / slope(of(unknown.initial)); }
   [[nodiscard]] LikelihoodParameter parameter(double start) const {
     const double mean = of(unknown.initial), deviation = prior_deviation();
     LikelihoodParameter own{.start = of(start), .prior_mean = mean, .prior_deviation = deviation};
-    own.step = is_delay() ? step_of_delays : step_of_factors;
-    if (!is_delay()) return own;
-    own.lower = mean - reach_of_delays * deviation;
-    own.upper = mean + reach_of_delays * deviation;
+    own.step = is_of_clock() ? step_of_clocks : step_of_factors;
+    if (!is_of_clock()) return own;
+    own.lower = mean - reach_of_clocks * deviation;
+    own.upper = mean + reach_of_clocks * deviation;
     return own;
   }
 };
@@ -96,7 +126,8 @@ private:
   [[nodiscard]] const LikelihoodUnknown& unknown(Index i) const { return unknowns_[static_cast<std::size_t>(i)]; }
 
   [[nodiscard]] Coordinate coordinate(Index i) const {
-    return {unknown(i), i, record_.sample_rate, values_[i] < 0.0 ? -1.0 : 1.0};
+    const double samples = late_by_unit(unknown(i), record_, record_.end()) * record_.sample_rate;
+    return {unknown(i), i, samples, values_[i] < 0.0 ? -1.0 : 1.0};
   }
 
   /// All values, those that are searched at x.
@@ -111,7 +142,7 @@ private:
 
   [[nodiscard]] LikelihoodEstimate estimate_from(const MaximumLikelihood& found,
                                                  const std::vector<LikelihoodParameter>& parameters) const {
-    LikelihoodEstimate estimate{.unknowns = unknowns_,
+    LikelihoodEstimate estimate{.unknowns = counted_from_here(),
                                 .values = values_,
                                 .visible = std::vector<bool>(unknowns_.size(), false),
                                 .converged = found.converged,
@@ -133,6 +164,14 @@ private:
     return estimate;
   }
 
+  /// Drifts hold for other records too, so they say from where they count.
+  [[nodiscard]] std::vector<LikelihoodUnknown> counted_from_here() const {
+    auto unknowns = unknowns_;
+    for (auto& unknown : unknowns)
+      if (unknown.is_of_clock()) unknown.since = since_of(unknown, record_);
+    return unknowns;
+  }
+
   [[nodiscard]] std::optional<EstimationResult> run_at(const VectorXd& values, VectorXd* log_jacobian) const {
     const auto here = corrected(problem_, setup_, record_, values);
     const auto filtered = run_filter(here.problem, here.setup, here.record, options_);
@@ -148,16 +187,16 @@ private:
     return VectorXd(result->log_density + log_jacobian);
   }
 
-  /// Moves value i to the most likely of its possible starts: either sign of a gain, delays over their reach. Whether
-  /// it is worth a search: not a delay over whose reach the likelihood changes by no more than what the samples that
+  /// Moves value i to the most likely of its possible starts: either sign of a gain, clocks over their reach. Whether
+  /// it is worth a search: not a clock over whose reach the likelihood changes by no more than what the samples that
   /// move over the ends of the record make of it by chance, with the standard deviation sqrt(samples).
   bool try_starts(Index i) {
-    const bool is_delay = unknown(i).kind == Kind::sensor_delay;
+    const bool is_of_clock = unknown(i).is_of_clock();
     std::vector<double> starts{values_[i]};
     if (unknown(i).kind == Kind::sensor_gain) starts.push_back(-values_[i]);
-    for (int k = 0; k < tried_delays && is_delay; ++k)
+    for (int k = 0; k < tried_clocks && is_of_clock; ++k)
       starts.push_back(unknown(i).initial +
-                       reach_of_delays * unknown(i).deviation * (2.0 * k / (tried_delays - 1.0) - 1.0));
+                       reach_of_clocks * unknown(i).deviation * (2.0 * k / (tried_clocks - 1.0) - 1.0));
     if (starts.size() < 2) return true;
     const double infinity = std::numeric_limits<double>::infinity(), first = values_[i];
     double best = -infinity, worst = infinity;
@@ -178,8 +217,9 @@ private:
       kept.values.push_back(value);
       kept.log_likelihood.push_back(log_likelihood);
     }
-    const double moved = 2.0 * static_cast<double>(reach_of(unknown(i), record_.sample_rate));
-    if (!is_delay || best - worst > by_chance * std::sqrt(moved)) return true;
+    const auto moved = static_cast<double>(reach_of(unknown(i), record_, record_.start) +
+                                           reach_of(unknown(i), record_, record_.end()));
+    if (!is_of_clock || best - worst > by_chance * std::sqrt(moved)) return true;
     values_[i] = first;
     return false;
   }
@@ -229,7 +269,7 @@ LikelihoodInterval LikelihoodEstimate::interval(Index i) const {
   const auto& unknown = unknowns[static_cast<std::size_t>(i)];
   const double half = two_sided_95 * std::fmax(deviation[i], robust_deviation[i]);
   const bool robust = robust_deviation[i] > deviation[i];
-  if (unknown.kind == Kind::sensor_delay) return {values[i] - half, values[i] + half, robust};
+  if (unknown.is_of_clock()) return {values[i] - half, values[i] + half, robust};
   const double factor = std::exp(half / std::abs(values[i]));
   const auto [lower, upper] = std::minmax({values[i] / factor, values[i] * factor});
   return {lower, upper, robust};
@@ -238,21 +278,24 @@ LikelihoodInterval LikelihoodEstimate::interval(Index i) const {
 Record corrected_record(const std::vector<LikelihoodUnknown>& unknowns, const VectorXd& values, Record record) {
   const auto for_each = [&](Kind kind, const auto& correct) {
     for (std::size_t i = 0; i < unknowns.size(); ++i)
-      if (const Index row = record.find(unknowns[i].sensor); row >= 0 && unknowns[i].kind == kind)
-        correct(unknowns[i], values[static_cast<Index>(i)], row, record.channels[static_cast<std::size_t>(row)]);
+      for (const auto& sensor : unknowns[i].sensors)
+        if (const Index row = record.find(sensor); row >= 0 && unknowns[i].kind == kind)
+          correct(values[static_cast<Index>(i)], row, record.channels[static_cast<std::size_t>(row)]);
   };
   // The noise is that of the channel as recorded, so it comes before the gain.
-  for_each(Kind::sensor_noise,
-           [&](const auto& /*unknown*/, double value, Index /*row*/, Channel& channel) { channel.noise = value; });
-  for_each(Kind::sensor_gain, [&](const auto& /*unknown*/, double value, Index row, Channel& channel) {
+  for_each(Kind::sensor_noise, [&](double value, Index /*row*/, Channel& channel) { channel.noise = value; });
+  for_each(Kind::sensor_gain, [&](double value, Index row, Channel& channel) {
     record.values.row(row) /= value;
     channel.noise /= std::abs(value);
   });
-  for_each(Kind::sensor_delay, [&](const auto& unknown, double value, Index row, Channel& /*channel*/) {
-    record.values.row(row) = without_delay(record.values.row(row).transpose(), value * record.sample_rate,
-                                           reach_of(unknown, record.sample_rate))
-                                 .transpose();
-  });
+  for (const auto& [row, clock] : clocks_of(unknowns, values, record))
+    record.values.row(row) = with_true_clock(record, row, clock).transpose();
+  return record;
+}
+
+Record with_clocks(const std::vector<LikelihoodUnknown>& unknowns, const VectorXd& values, Record record) {
+  for (const auto& [row, clock] : clocks_of(unknowns, values, record))
+    record.values.row(row) = with_lag(record, row, clock.lag).transpose();
   return record;
 }
 
@@ -269,11 +312,14 @@ CorrectedProblem corrected(const EstimationProblemPtr& problem, const AugmentedM
       own->settings.process_noise.acceleration = value;
       result.setup.options.process_noise.acceleration = value * setup.model->coordinate_scale();
     }
-    const Index row = record.find(unknowns[i].sensor);
-    const bool is_measured = std::ranges::find(setup.sensors, unknowns[i].sensor, &Sensor::name) != setup.sensors.end();
-    if (unknowns[i].kind != Kind::sensor_gain || row < 0 || !is_measured) continue;
-    const auto present = result.record.values.row(row).head(record.samples_used()).transpose().array().isFinite();
-    result.log_jacobian.head(record.samples_used()).array() -= present.cast<double>() * std::log(std::abs(value));
+    if (unknowns[i].kind != Kind::sensor_gain) continue;
+    for (const auto& sensor : unknowns[i].sensors) {
+      const Index row = record.find(sensor);
+      const bool is_measured = std::ranges::find(setup.sensors, sensor, &Sensor::name) != setup.sensors.end();
+      if (row < 0 || !is_measured) continue;
+      const auto present = result.record.values.row(row).head(record.samples_used()).transpose().array().isFinite();
+      result.log_jacobian.head(record.samples_used()).array() -= present.cast<double>() * std::log(std::abs(value));
+    }
   }
   result.problem = std::move(own);
   return result;

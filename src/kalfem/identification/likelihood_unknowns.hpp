@@ -12,7 +12,7 @@
 namespace kalfem {
 
 /// A problem with its likelihood unknowns at some values: the filter's model, and the record as sensors without gain
-/// and delay would have recorded it.
+/// and with true clocks would have recorded it.
 struct CorrectedProblem {
   EstimationProblemPtr problem;  ///< without likelihood unknowns
   AugmentedModelSetup setup;
@@ -22,14 +22,17 @@ struct CorrectedProblem {
 };
 
 /// `values`: of the problem's likelihood unknowns, in their own units. A recorded channel is
-///     recorded(t) = gain signal(t - delay) + noise,
-/// so the corrected one is recorded(t + delay) / gain with its noise / |gain|, missing within the delay's reach of
-/// either end of the record.
+///     recorded(t + delay + drift (t - since)) = gain signal(t) + noise,
+/// so the corrected one is recorded(t + delay + drift (t - since)) / gain with its noise / |gain|, missing within the
+/// clock's reach of either end of the record.
 CorrectedProblem corrected(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
                            const Eigen::VectorXd& values);
 
 /// A record of the same sensors corrected alike.
 Record corrected_record(const std::vector<LikelihoodUnknown>& unknowns, const Eigen::VectorXd& values, Record record);
+
+/// A record of true clocks as sensors with these delays and drifts show it.
+Record with_clocks(const std::vector<LikelihoodUnknown>& unknowns, const Eigen::VectorXd& values, Record record);
 
 /// The 95 % interval from the larger of the two deviations, symmetric in the coordinate of the search.
 struct LikelihoodInterval {
@@ -53,7 +56,7 @@ struct LikelihoodEstimate {
   std::vector<bool> visible;
   /// What their uncertainty adds to the covariance of the filter's unknowns, in the filter's state.
   Eigen::MatrixXd added_covariance;
-  std::vector<TriedValues> tried;  ///< of delays and gains
+  std::vector<TriedValues> tried;  ///< of clocks and gains
   bool converged = false;
   int runs = 0;  ///< of the filter over the record
   CorrectedProblem corrected;
@@ -65,10 +68,10 @@ struct LikelihoodEstimate {
 /// and states integrated out. No state of the filter stands for them, so a delay costs nothing but the search, and is
 /// exact at every frequency.
 ///
-/// 1. Gains are tried with either sign; delays over the range of their prior, one after another. A delay that changes
-///    the likelihood by no more than chance keeps its prior.
-/// 2. Newton's method, maximise_likelihood(), in delay / sample interval, ln |gain|, ln noise. Bounds: 4 prior
-///    deviations of a delay.
+/// 1. Gains are tried with either sign; delays and drifts over the range of their prior, one after another. One that
+///    changes the likelihood by no more than chance keeps its prior.
+/// 2. Newton's method, maximise_likelihood(), in delay / sample interval, drift record length / sample interval,
+///    ln |gain|, ln noise. Bounds: 4 prior deviations of a delay or drift.
 /// 3. Their covariance Psi widens that of the filter's unknowns theta by J Psi J^T, J = d theta / d psi from central
 ///    differences: the law of total covariance.
 ///

@@ -6,8 +6,8 @@
 #include <set>
 
 #include "kalfem/base/units.hpp"
+#include "kalfem/identification/likelihood_unknowns.hpp"
 #include "kalfem/identification/released_elements.hpp"
-#include "kalfem/records/fractional_shift.hpp"
 
 namespace kalfem {
 
@@ -161,15 +161,15 @@ Record NamedUnknowns::as_recorded(const VectorXd& theta, Record ideal) const {
   const auto& unknowns = problem_->settings.likelihood_unknowns;
   const VectorXd values = likelihood_values(theta);
   for (std::size_t i = 0; i < unknowns.size(); ++i) {
-    const Index row = ideal.find(unknowns[i].sensor);
     const double value = values[static_cast<Index>(i)];
-    if (row < 0) continue;
-    if (unknowns[i].kind == Kind::sensor_gain) ideal.values.row(row) *= value;
-    if (unknowns[i].kind == Kind::sensor_noise) ideal.channels[static_cast<std::size_t>(row)].noise = value;
-    if (unknowns[i].kind == Kind::sensor_delay)
-      ideal.values.row(row) = shifted(ideal.values.row(row).transpose(), -value * ideal.sample_rate).transpose();
+    for (const auto& sensor : unknowns[i].sensors) {
+      const Index row = ideal.find(sensor);
+      if (row < 0) continue;
+      if (unknowns[i].kind == Kind::sensor_gain) ideal.values.row(row) *= value;
+      if (unknowns[i].kind == Kind::sensor_noise) ideal.channels[static_cast<std::size_t>(row)].noise = value;
+    }
   }
-  return ideal;
+  return with_clocks(unknowns, values, std::move(ideal));
 }
 
 bool NamedUnknowns::admissible(const VectorXd& theta) const {
@@ -182,6 +182,8 @@ bool NamedUnknowns::admissible(const VectorXd& theta) const {
         return value > 0.0;
       case Kind::process_noise:
         return value >= 0.0;
+      case Kind::sensor_drift:
+        return value > -1.0;
       case Kind::sensor_delay:
         break;
     }
@@ -194,11 +196,10 @@ VectorXd NamedUnknowns::gains(const VectorXd& theta, const std::vector<Sensor>& 
   const VectorXd values = likelihood_values(theta);
   const auto& unknowns = problem_->settings.likelihood_unknowns;
   VectorXd gains = VectorXd::Ones(std::ssize(sensors));
-  for (std::size_t i = 0; i < unknowns.size(); ++i) {
-    const auto sensor = place_of(sensors, unknowns[i].sensor);
-    if (unknowns[i].kind == Kind::sensor_gain && sensor)
-      gains[static_cast<Index>(*sensor)] = values[static_cast<Index>(i)];
-  }
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    for (std::size_t j = 0; j < sensors.size(); ++j)
+      if (unknowns[i].kind == Kind::sensor_gain && unknowns[i].is_of(sensors[j].name))
+        gains[static_cast<Index>(j)] = values[static_cast<Index>(i)];
   return gains;
 }
 

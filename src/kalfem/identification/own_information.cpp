@@ -37,11 +37,14 @@ std::optional<OwnInformation> own_information(const EstimationProblemPtr& proble
                           : std::nullopt;
   if (!derivatives) return std::nullopt;
   for (const auto& unknown : problem->settings.likelihood_unknowns) {
-    const auto sensor = std::ranges::find(problem->sensors, unknown.sensor, &Sensor::name) - problem->sensors.begin();
-    if (unknown.kind != LikelihoodUnknownKind::sensor_gain || sensor == std::ssize(problem->sensors)) continue;
+    const auto is_of = [&](const Sensor& sensor) { return unknown.is_of(sensor.name); };
+    if (unknown.kind != LikelihoodUnknownKind::sensor_gain || std::ranges::none_of(problem->sensors, is_of)) continue;
     own.parameters.push_back({unknown.name, unknown.initial, unknown.deviation});
     derivatives->push_back(MatrixXd::Zero(here->rows(), here->cols()));
-    derivatives->back().row(sensor) = here->row(sensor) / unknown.initial;
+    for (std::size_t j = 0; j < problem->sensors.size(); ++j) {
+      const auto row = static_cast<Index>(j);
+      if (is_of(problem->sensors[j])) derivatives->back().row(row) = here->row(row) / unknown.initial;
+    }
   }
   if (own.parameters.empty()) return std::nullopt;
   own.information = MatrixXd::Zero(std::ssize(own.parameters), std::ssize(own.parameters));

@@ -213,12 +213,12 @@ RunsBeside::Change RunsBeside::change_of_parameter(const FixedNumber& number, do
   return {changed, setup_of(changed, parts, held)};
 }
 
-/// A sensor's recorded samples, or an excitation, as a gain or delay changes them. The sensor's are those that the
+/// A sensor's recorded samples, or an excitation, as a gain or clock changes them. The sensor's are those that the
 /// model predicts: recorded ones hold the noise too.
 RunsBeside::Change RunsBeside::change_of_signal(const FixedNumber& number, double change) const {
   const std::string of = number.name.substr(0, number.name.rfind('.'));
   if (const Index row = filter_.input.measured.find(of); row >= 0)
-    return {problem_, base_setup_, change * added_to_sensor(row, number.is_delay()), {}};
+    return {problem_, base_setup_, change * added_to_sensor(row, number), {}};
   const auto source = std::ranges::find_if(base_setup_.input_sources,
                                            [&](const std::string& each) { return each == of || each == "@" + of; });
   return {problem_,
@@ -227,11 +227,13 @@ RunsBeside::Change RunsBeside::change_of_signal(const FixedNumber& number, doubl
           change * added_to_input(source - base_setup_.input_sources.begin(), number.is_delay())};
 }
 
-MatrixXd RunsBeside::added_to_sensor(Index row, bool delay) const {
+MatrixXd RunsBeside::added_to_sensor(Index row, const FixedNumber& number) const {
   const auto& measured = filter_.input.measured;
   MatrixXd added = MatrixXd::Zero(measured.values.rows(), measured.samples());
   const MatrixXd predicted = base_.predicted.row(row);
-  added.row(row) = delay ? MatrixXd(problem_->sample_rate * rate_of(predicted)) : MatrixXd(-predicted);
+  added.row(row) = number.is_of_clock() ? MatrixXd(problem_->sample_rate * rate_of(predicted)) : MatrixXd(-predicted);
+  const double since = problem_->settings.clocks_since.value_or(record_.start);
+  for (Index k = 0; k < added.cols() && number.is_drift(); ++k) added(row, k) *= record_.time(k) - since;
   return added;
 }
 

@@ -59,7 +59,7 @@ private:
   [[nodiscard]] Change change_of(std::size_t i, double change) const;
   [[nodiscard]] Change change_of_parameter(const FixedNumber& number, double change) const;
   [[nodiscard]] Change change_of_signal(const FixedNumber& number, double change) const;
-  [[nodiscard]] Eigen::MatrixXd added_to_sensor(Eigen::Index row, bool delay) const;
+  [[nodiscard]] Eigen::MatrixXd added_to_sensor(Eigen::Index row, const FixedNumber& number) const;
   [[nodiscard]] Eigen::MatrixXd added_to_input(Eigen::Index input, bool delay) const;
   [[nodiscard]] std::optional<RunDerivative> tangent_of(std::size_t i) const;
   [[nodiscard]] OpenModel open(const Change& change, bool monitors) const;

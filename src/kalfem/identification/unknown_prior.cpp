@@ -24,7 +24,7 @@ MarginalPrior prior_of(const Unknown& unknown) {
 
 /// Gains and noise are positive, and their initial value is the median.
 MarginalPrior prior_of(const LikelihoodUnknown& unknown) {
-  const bool by_logarithm = unknown.kind != LikelihoodUnknownKind::sensor_delay && unknown.initial > 0.0;
+  const bool by_logarithm = !unknown.is_of_clock() && unknown.initial > 0.0;
   if (by_logarithm) return lognormal_about(unknown.initial, unknown.deviation);
   return NormalPrior{.mean = unknown.initial, .deviation = unknown.deviation};
 }

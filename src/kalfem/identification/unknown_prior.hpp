@@ -9,7 +9,7 @@ namespace kalfem {
 /// The distribution of an unknown before the data: normal, of a positive one log-normal about its initial value, cut at
 /// its bounds.
 MarginalPrior prior_of(const Unknown& unknown);
-/// The same of an unknown of the measurement: log-normal where it is positive and no delay.
+/// The same of an unknown of the measurement: log-normal where it is positive and not of a clock.
 MarginalPrior prior_of(const LikelihoodUnknown& unknown);
 
 }  // namespace kalfem

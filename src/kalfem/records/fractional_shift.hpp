@@ -14,4 +14,9 @@ namespace kalfem {
 /// which nobody knows, shows.
 Eigen::VectorXd shifted(const Eigen::Ref<const Eigen::VectorXd>& signal, double lead);
 
+/// The same for a lead of each sample, y(k) = x(k + lead(k)). As a function of the lead's fraction of a sample, y(k) is
+/// the polynomial through its values at 12 Chebyshev points, for each of which the signal is shifted once: within 1e-9
+/// of the largest amplitude at every frequency, however many samples there are.
+Eigen::VectorXd shifted(const Eigen::Ref<const Eigen::VectorXd>& signal, const Eigen::VectorXd& lead);
+
 }  // namespace kalfem

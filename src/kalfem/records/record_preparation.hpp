@@ -24,6 +24,7 @@ struct PreparedRecord {
   Record record;                              ///< SI; start is the time in the file
   std::vector<std::string> preparation = {};  ///< in words
   std::optional<FreeResponseFound> free_response = {};
+  std::optional<double> began = {};  ///< time in the file of its first sample, where the record is a part of it [s]
 };
 
 /// Puts back the samples that are missing at a splice, as missing. Nothing changes where there is no splice.

@@ -235,6 +235,7 @@ EstimationProblem make_estimation_problem(const CaseStudy& study, IssueList& iss
                       .second_thoughts = given.second_thoughts.value_or(given.diagnose ? StepBudget::unlimited : 0.0),
                       .smooth = given.smooth,
                       .free = given.free};
+  if (study.record) problem.settings.clocks_since = study.record->began;
   problem.settings.unknown_inputs = unknown_inputs_of(study, issues);
   const StructureModel held = held_structure(study, issues);
   if (!issues.empty()) return problem;

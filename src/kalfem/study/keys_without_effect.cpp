@@ -91,7 +91,7 @@ private:
     if (!motion)
       warn({"sensors", name, "relative"}, "forces, deformations and strains do not depend on the base's motion");
     if (!given_.record && !given_.live)
-      for (const char* key : {"channel", "gain", "offset", "delay"})
+      for (const char* key : {"channel", "gain", "offset", "delay", "drift"})
         warn({"sensors", name, key}, "the case reads no record");
   }
 

@@ -61,6 +61,12 @@ void check_delay(const d::Case& given, const std::string& key, double delay, con
                "give a whole number of samples, or describe the delay in the sensor's chain");
 }
 
+void refuse_drift(const std::string& key, double drift, const SourceLocation& place, IssueList& issues) {
+  if (drift != 0.0)
+    issues.add(place, key + " is given", "a stream is moved by whole samples, and not further and further",
+               "let the clocks of the stream be synchronised, or run the case over a record");
+}
+
 /// The unit in which a channel comes, if the case states one.
 void check_unit(const Located<std::string>& given, const std::string& unit, const std::string& channel) {
   if (given.value.empty()) return;
@@ -80,6 +86,7 @@ void check_sensors(const CaseStudy& study, IssueList& issues) {
       issues.add(sensor.location, "sensors." + sensor.name + ".noise is per cent of the channel's rms",
                  "a stream has no rms before it has come", "give the noise in " + sensor.unit);
     check_delay(study.given, "sensors." + sensor.name + ".delay", given.delay, sensor.location, issues);
+    refuse_drift("sensors." + sensor.name + ".drift", given.drift, sensor.location, issues);
     try {
       static_cast<void>(calibration_of(sensor.name, given));
       check_unit(given.unit.value.empty() ? study.given.live->value.unit : given.unit, sensor.unit, sensor.name);
@@ -99,6 +106,7 @@ void check_inputs(const CaseStudy& study, IssueList& issues) {
                  "its displacement would drift with the offset, which only a whole record tells",
                  "integrate it behind a high-pass, and give a base_displacement");
     check_delay(study.given, "excitation." + name + ".delay", column->delay, place, issues);
+    refuse_drift("excitation." + name + ".drift", column->drift, place, issues);
     if (column->align) issues.add(place, "excitation." + name + ".align needs a whole record", "", "state the delay");
   }
 }

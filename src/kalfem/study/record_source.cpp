@@ -164,14 +164,18 @@ Record read_channels(const description::Case& given, const std::vector<const des
 void check_preparation(const description::Case& given) {
   const auto& asked = given.record->prepare;
   const bool filters = asked.high_pass > 0.0 || asked.low_pass > 0.0 || asked.sample_rate;
-  const auto late = std::ranges::find_if(given.sensors, [](const auto& each) { return each.second.delay != 0.0; });
+  const auto late = std::ranges::find_if(
+      given.sensors, [](const auto& each) { return each.second.delay != 0.0 || each.second.drift != 0.0; });
   if (!filters && late == given.sensors.end()) return;
-  throw InvalidInput(Issue{
-      given.record->file.location,
-      filters ? "record.prepare filters or resamples channels with sampling rates of their own"
-              : "sensors." + late->first + ".delay is given, but the channels have sampling rates of their own",
-      "there are no samples between those of the slower channels", "leave it out, or export the channels at one rate"});
+  throw InvalidInput(Issue{given.record->file.location,
+                           filters ? "record.prepare filters or resamples channels with sampling rates of their own"
+                                   : "sensors." + late->first + (late->second.delay != 0.0 ? ".delay" : ".drift") +
+                                         " is given, but the channels have sampling rates of their own",
+                           "there are no samples between those of the slower channels",
+                           "leave it out, or export the channels at one rate"});
 }
+
+std::string in_ppm(double drift) { return shortest(std::round(drift * 1e12) / 1e6) + " ppm"; }
 
 /// Puts signals in the place of what sensors recorded of them.
 void calibrate_sensors(PreparedRecord& prepared, const description::Case& given) {
@@ -180,9 +184,10 @@ void calibrate_sensors(PreparedRecord& prepared, const description::Case& given)
     const auto calibration = calibration_of(name, sensor);
     if (!calibration.changes_anything()) continue;
     calibrate(prepared.record, static_cast<Index>(j), calibration);
-    prepared.preparation.push_back(name + ": gain " + shortest(calibration.gain) + ", offset " +
-                                   shortest(calibration.offset) + " " + prepared.record.channels[j].unit + ", delay " +
-                                   shortest(calibration.delay) + " s taken out");
+    prepared.preparation.push_back(
+        name + ": gain " + shortest(calibration.gain) + ", offset " + shortest(calibration.offset) + " " +
+        prepared.record.channels[j].unit + ", delay " + shortest(calibration.delay) + " s" +
+        (calibration.drift != 0.0 ? ", drift " + in_ppm(calibration.drift) : "") + " taken out");
   }
 }
 
@@ -219,6 +224,7 @@ PreparedRecord read_prepared(const description::Case& given) {
   PreparedRecord prepared{read_channels(given, sensors, wanted, notes, &spread)};
   prepared.preparation = std::move(notes);
   Record& record = prepared.record;
+  prepared.began = record.start;
   for (std::size_t j = 0; j < given.sensors.size(); ++j) record.channels[j].name = given.sensors[j].first;
   if (spread) check_preparation(given);
   if (!spread) check_finite(record, asked);
@@ -257,7 +263,8 @@ ChannelCalibration calibration_of(const std::string& name, const description::Se
                              "such a channel holds nothing of its signal", "write its gain, or leave it out for 1"});
   return {.gain = sensor.gain,
           .offset = sensor.offset ? checked_number(*sensor.offset, unit_of(quantity_of(sensor))) : 0.0,
-          .delay = sensor.delay};
+          .delay = sensor.delay,
+          .drift = sensor.drift};
 }
 
 PreparedRecord read_measured_record(const description::Case& given) {

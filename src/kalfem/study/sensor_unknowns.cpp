@@ -12,15 +12,22 @@ namespace {
 
 namespace d = description;
 
-void check_sensor(const CaseStudy& study, const std::string& name, const d::Unknown& given) {
-  const std::string sensor = measured_sensor(name);
+/// The numbers that share the unknown, if there are several.
+std::vector<std::string> shared_by(const d::Unknown& given) {
+  std::vector<std::string> names;
+  for (const auto& each : given.applies_to) names.push_back(each.value);
+  return names;
+}
+
+void check_sensors(const CaseStudy& study, const std::string& name, const d::Unknown& given) {
   std::vector<std::string> names;
   for (const auto& each : study.sensors) names.push_back(each.name);
-  if (sensor.empty() || std::ranges::find(names, sensor) != names.end()) return;
-  throw InvalidInput(
-      {given.initial.location,
-       "estimate.unknown." + name + ": there is no sensor '" + sensor + "'" + did_you_mean(sensor, names), "",
-       "name a sensor of the case"});
+  for (const auto& sensor : measured_sensors(name, shared_by(given)))
+    if (std::ranges::find(names, sensor) == names.end())
+      throw InvalidInput(
+          {given.initial.location,
+           "estimate.unknown." + name + ": there is no sensor '" + sensor + "'" + did_you_mean(sensor, names), "",
+           "name a sensor of the case"});
 }
 
 /// What only an unknown of the structure can have.
@@ -30,7 +37,6 @@ void refuse_other_keys(const std::string& name, const d::Unknown& given) {
   if (given.transform) key = "transform";
   if (given.bounds) key = "bounds";
   if (given.random_walk && !drifts) key = "random_walk";
-  if (!given.applies_to.empty()) key = "applies_to";
   if (!key.empty())
     throw InvalidInput({given.initial.location, "estimate.unknown." + name + "." + key + " has no meaning here",
                         drifts ? "an offset is a number with a normal prior that may drift"
@@ -45,7 +51,7 @@ double spread(const d::Value& given, const std::string& unit, double initial) {
 }
 
 MeasurementPrior prior_of(const d::Unknown& given, const std::string& unit) {
-  MeasurementPrior prior{.initial = checked_number(given.initial, unit)};
+  MeasurementPrior prior{.initial = checked_number(given.initial, unit), .applies_to = shared_by(given)};
   if (given.std) prior.deviation = spread(*given.std, unit, prior.initial);
   if (given.random_walk) prior.random_walk = spread(*given.random_walk, unit, prior.initial);
   if (given.truth) prior.truth = checked_number(*given.truth, unit);
@@ -56,18 +62,19 @@ MeasurementPrior prior_of(const d::Unknown& given, const std::string& unit) {
 
 void add_measurement_unknown(const CaseStudy& study, const std::string& name, const d::Unknown& given,
                              EstimationProblem& problem) {
-  check_sensor(study, name, given);
   refuse_other_keys(name, given);
   if (is_found_by_likelihood(name) && study.given.update)
     throw InvalidInput({given.initial.location,
                         "estimate.unknown." + name + " is found by maximum likelihood, but the case has `update`",
                         "each step of the updating would search it again",
-                        "find it in a run without `update`, then state it: gain and delay in the sensor's `chain`"});
-  const MeasurementPrior prior = prior_of(given, measurement_unit(study.sensors, name));
+                        "find it in a run without `update`, then state it with the sensor: `gain`, `delay`, `drift`"});
   try {
+    check_sensors(study, name, given);
+    const MeasurementPrior prior = prior_of(given, measurement_unit(study.sensors, name));
     add_measurement_unknown(name, prior, problem);
   } catch (const InvalidInput& error) {
     const auto& [location, what, why, fix] = error.issues().front();
+    if (!location.file.empty()) throw;
     throw InvalidInput(given.initial.issue(what, why, fix));
   }
 }

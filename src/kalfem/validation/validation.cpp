@@ -19,7 +19,7 @@ namespace {
 
 /// A filter's problem on the lead-in: the parameters are known, the initial state is not.
 EstimationProblemPtr lead_in_problem(const EstimatedStructure& structure, const ValidationPart& part) {
-  const auto& [record, preparation, free_response] = part.record;
+  const auto& [record, preparation, free_response, began] = part.record;
   auto excited = std::make_shared<StructureModel>(*structure.structure);
   excited->signals = part.signals;
   EstimationProblem problem{excited, structure.sensors, structure.offsets, record.sample_rate, structure.settings};

@@ -118,6 +118,7 @@ std::span<const ReasonKind> mistake_kinds() {
        Gravity::either},
       {{"record_unit"}, "the unit of all sensors", Gravity::either},
       {{"sensor_delay"}, "a sensor's clock, up to 150 ms early or late", Gravity::either},
+      {{"sensor_drift"}, "a clock that runs fast or slow: of one sensor, or of a rack of them", Gravity::either},
       {{"sensors_swapped"}, "two sensors are exchanged", Gravity::either},
       {{"sensor_offset", "sensor_saturated", "sensor_noise"},
        "an offset; a range that is too small; noise other than stated",

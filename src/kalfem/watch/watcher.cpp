@@ -72,7 +72,7 @@ void Watcher::take_block(const StreamBlock& block) {
                        "the case states a sampling rate of " + shortest(rate) + " Hz",
                        "correct live.sample_rate, or resample the channel");
   const double factor = factor_of(block, *channel);
-  const auto& [gain, offset, delay] = channel->calibration;
+  const auto& [gain, offset, delay, drift] = channel->calibration;  // a live case has no drift
   const double time = block.time - delay;
   if (!origin_) origin_ = time;
   VectorXd values(std::ssize(block.values));

@@ -19,18 +19,20 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-/// Change that a row tells of: of a number, and of a delay in sample intervals.
-constexpr double in_table = 0.01, in_table_delay = 0.1;
+/// Change that a row tells of: of a number, and of a clock in sample intervals.
+constexpr double in_table = 0.01, in_table_clock = 0.1;
 
 const UnknownParameter& unknown_of(const RecordEstimate& estimate, Index j) {
   return estimate.augmented_model->options().unknowns[static_cast<std::size_t>(j)];
 }
 
-/// The change that a row tells of, in the number's scale: what is stated of it, or else 1 %, of a delay a tenth of a
-/// sample interval.
+/// The change that a row tells of, in the number's scale: what is stated of it, or else 1 %, of a clock a tenth of a
+/// sample interval, which a drift reaches at the end of the record.
 double told_change(const RecordEstimate& estimate, const FixedNumber& number) {
   if (number.deviation > 0.0) return number.deviation;
-  return number.is_delay() ? in_table_delay / estimate.measurements.sample_rate : in_table;
+  if (!number.is_of_clock()) return in_table;
+  const auto& record = estimate.measurements;
+  return in_table_clock / record.sample_rate / (number.is_drift() ? record.end() - record.start : 1.0);
 }
 
 double told_shift(const RecordEstimate& estimate, Index i) {
@@ -44,6 +46,15 @@ bool tells(const RecordEstimate& estimate, Index i) {
   constexpr double guessed = 0.1, held = 10.0;
   const double deviation = estimate.fixed_numbers->asked_deviation[i];
   return deviation < guessed && deviation * std::abs(furthest_shift(estimate, i).deviations) < held;
+}
+
+/// Nobody doubts the rate of a clock without a cause: a drift stands in the table where it is stated, or where the
+/// record asks for one.
+bool is_listed(const FixedNumberStudy& study, Index i) {
+  constexpr double asked_for = 3.0;
+  const FixedNumber& number = study.numbers[static_cast<std::size_t>(i)];
+  return !number.is_drift() || number.deviation > 0.0 ||
+         std::abs(study.asked[i]) > asked_for * study.asked_deviation[i];
 }
 
 /// Stated numbers of which the record tells far more than what is stated: as unknowns they would add less.
@@ -87,6 +98,7 @@ Table sensitivity_table(const RecordEstimate& estimate, std::size_t most) {
   const auto& study = *estimate.fixed_numbers;
   std::vector<Index> order(static_cast<std::size_t>(study.size()));
   std::iota(order.begin(), order.end(), Index{0});
+  std::erase_if(order, [&](Index i) { return !is_listed(study, i); });
   std::ranges::stable_sort(order, std::ranges::greater{}, [&](Index i) { return std::abs(told_shift(estimate, i)); });
   order.resize(std::min(most, order.size()));
   Table table{"Numbers that are held fixed",

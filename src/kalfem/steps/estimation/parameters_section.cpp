@@ -137,28 +137,43 @@ void add_correlation(const EstimationOutcome& outcome, Section& section) {
   section.items.emplace_back(combination_table(found));
 }
 
-/// How likely the record is over the values of a delay or gain, in milliseconds and in samples.
+/// A delay in milliseconds, a drift in parts per million.
+struct ClockUnit {
+  std::string word, unit;
+  double factor = 1.0;
+};
+std::optional<ClockUnit> clock_unit(const LikelihoodUnknown& unknown) {
+  if (unknown.kind == LikelihoodUnknownKind::sensor_delay) return ClockUnit{"delay", "ms", 1e3};
+  if (unknown.kind == LikelihoodUnknownKind::sensor_drift) return ClockUnit{"drift", "ppm", 1e6};
+  return std::nullopt;
+}
+
+/// How likely the record is over the values of a delay, drift or gain; what a clock is late by also in samples.
 void add_tried(const EstimationOutcome& outcome, Section& section) {
   if (!outcome.likelihood) return;
   for (const auto& [index, values, log_likelihood] : outcome.likelihood->tried) {
     if (values.size() < 3) continue;
     const auto& unknown = outcome.likelihood->unknowns[static_cast<std::size_t>(index)];
-    const bool is_delay = unknown.kind == LikelihoodUnknownKind::sensor_delay;
+    const auto clock = clock_unit(unknown);
+    const double factor = clock ? clock->factor : 1.0;
     Chart chart{.id = "likelihood-" + unknown.name,
                 .title = "Log-likelihood over " + unknown.name,
                 .caption = "Of the whole record, less its largest value.",
-                .x_label = is_delay ? "delay [ms]" : unknown.name + " [" + unknown.unit + "]",
+                .x_label = clock ? clock->word + " [" + clock->unit + "]" : unknown.name + " [" + unknown.unit + "]",
                 .y_label = "log-likelihood [-]",
                 .half_width = true};
     const double best = *std::ranges::max_element(log_likelihood);
-    for (const double value : values) chart.x.push_back(is_delay ? 1e3 * value : value);
+    for (const double value : values) chart.x.push_back(factor * value);
     Series series{.label = "tried", .role = Role::estimate};
     for (const double value : log_likelihood) series.y.push_back(value - best);
     chart.series = {series};
-    if (is_delay) {
-      const double found = outcome.likelihood->values[index];
-      chart.caption += fmt::format(" The delay found, {:.4g} ms, is {:.3g} samples.", 1e3 * found,
-                                   found * outcome.measurements.sample_rate);
+    if (clock) {
+      const auto& record = outcome.measurements;
+      const bool drifts = unknown.kind == LikelihoodUnknownKind::sensor_drift;
+      const double found = outcome.likelihood->values[index],
+                   late = drifts ? found * (record.end() - unknown.since.value_or(record.start)) : found;
+      chart.caption += fmt::format(" The {} found, {:.4g} {}, is {:.3g} samples{}.", clock->word, factor * found,
+                                   clock->unit, late * record.sample_rate, drifts ? " at the record's end" : "");
     }
     section.items.emplace_back(std::move(chart));
   }

@@ -23,7 +23,7 @@ namespace {
 
 void add_likelihood_unknowns(const Study& study, const LikelihoodEstimate& likelihood, Table& table) {
   for (std::size_t i = 0; i < likelihood.unknowns.size(); ++i) {
-    const auto& [name, kind, sensor, unit, initial, deviation, truth] = likelihood.unknowns[i];
+    const auto& [name, kind, sensors, unit, initial, deviation, truth, since] = likelihood.unknowns[i];
     const auto row = static_cast<Eigen::Index>(i);
     const double estimate = likelihood.values[row];
     const auto interval = likelihood.interval(row);

@@ -52,7 +52,7 @@ std::vector<RestFound> rest_positions(const Study& study, const StudyResults& re
 }
 
 Json record_summary(const Study& study, const StudyResults& results) {
-  const auto& [record, preparation, free_response] = *study.record;
+  const auto& [record, preparation, free_response, began] = *study.record;
   Json summary = {{"start_s", number(record.start)},
                   {"end_s", number(record.end())},
                   {"samples", record.samples()},
@@ -72,7 +72,7 @@ Json record_summary(const Study& study, const StudyResults& results) {
 
 std::string record_words(const Study& study, const StudyResults& results) {
   if (!study.record) return "";
-  const auto& [record, preparation, free_response] = *study.record;
+  const auto& [record, preparation, free_response, began] = *study.record;
   std::string text = fmt::format("Record: {} samples at {} Hz, {} s to {} s\n", record.samples(),
                                  four_digits(record.sample_rate), four_digits(record.start), four_digits(record.end()));
   for (const auto& step : preparation) text += step + (step.ends_with('\n') ? "" : "\n");
