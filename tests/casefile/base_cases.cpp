@@ -83,7 +83,7 @@ excitation:
   road: {base_displacement: frame.ground, road: {class: B, speed: 10 m/s, band: [0.05, 1], duration: 20 s, fade_in: 0.1 s, seed: 1}}
   axle: {base_displacement: frame.left, trailing_axle: {input: road, wheelbase: 1 m, speed: 10 m/s}}
   later: {force: frame.2.y, delayed: {input: sine, delay: 0.1 s}}
-  measured: {force: frame.2.y, file: input.csv, channel: f, unit: N, delay: 0 s, drift: 0 ppm, prepare: {remove_trend: true, low_pass: 60 Hz}}
+  measured: {force: frame.2.y, file: input.csv, channel: f, unit: N, delay: 0 s, clock_drift: 0 ppm, prepare: {remove_trend: true, low_pass: 60 Hz}}
   weight: {force: frame.1, constant: -9.81 N}
   shake: {base_acceleration: all, sine: {amplitude: 0.1 m/s^2, frequency: 3 Hz}}
 sensors:

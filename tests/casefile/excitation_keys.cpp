@@ -93,7 +93,7 @@ void prepared_signals() {
   const Eigen::VectorXd values = Eigen::VectorXd::Map(force.data(), std::ssize(force));
   same_signal(*with_signal("file: force.csv, channel: p, delay: 0.5 s").structure->signals[0],
               *make_sampled(values, {.sample_rate = 40.0, .start = -0.5}));
-  same_signal(*with_signal("file: force.csv, channel: p, drift: 300 ppm").structure->signals[0],
+  same_signal(*with_signal("file: force.csv, channel: p, clock_drift: 300 ppm").structure->signals[0],
               *make_sampled(values, {.sample_rate = 40.0 * (1.0 + 300e-6)}));
   const auto prepared = [](const std::string& text) {
     return signal_at(with_signal("file: force.csv, channel: p, prepare: {" + text + "}"), 5.0)[0];
@@ -259,7 +259,7 @@ KeyChecks excitation_keys() {
   keys.merge(all_of(at, {"file", "channel", "sample_rate", "unit"}, recorded_signals));
   keys.merge(all_of(
       at,
-      {"delay", "drift", "align.channel", "align.sensor", "prepare.remove_offset.from", "prepare.remove_offset.to",
+      {"delay", "clock_drift", "align.channel", "align.sensor", "prepare.remove_offset.from", "prepare.remove_offset.to",
        "prepare.remove_trend", "prepare.high_pass", "prepare.low_pass", "prepare.sample_rate"},
       prepared_signals));
   keys[at + "bridge_gaps"] = bridged_gaps;

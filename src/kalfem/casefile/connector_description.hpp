@@ -61,7 +61,7 @@ struct FileSignal {
   std::optional<double> sample_rate;
   Located<std::string> unit;  ///< if empty, the one in the column's title, otherwise SI
   double delay = 0.0;         ///< its clock is late by this [s]
-  double drift = 0.0;         ///< of its clock [s/s], see ClockLag
+  double clock_drift = 0.0;   ///< of its clock [s/s], see ClockLag
   std::optional<Alignment> align;
   double bridge_gaps = 0.0;  ///< longest gap that is filled [s]; 0: none may be
   ChannelPreparation prepare;

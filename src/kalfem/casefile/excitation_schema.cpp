@@ -156,9 +156,9 @@ Schema<Excitation> excitation_of_any_quantity() {
           .optional("unit", &FileSignal::unit, located(text()),
                     "unit of the column; default: the unit in its title (\"F [kN]\"), otherwise SI")
           .optional("delay", &FileSignal::delay, number("s", plausible::clock()), "the column is late by this")
-          .optional("drift", &FileSignal::drift, number("-", plausible::drift()),
+          .optional("clock_drift", &FileSignal::clock_drift, number("-", plausible::drift()),
                     "by so much the clock of this file runs fast, as 50 ppm: a time t after its first sample the "
-                    "column is late by delay + drift t")
+                    "column is late by delay + clock_drift t")
           .optional("align", &FileSignal::align, mapping(alignment),
                     "find the delay of this file's clock behind that of the record")
           .optional("bridge_gaps", &FileSignal::bridge_gaps, seconds(),

@@ -106,7 +106,7 @@ void check_inputs(const CaseStudy& study, IssueList& issues) {
                  "its displacement would drift with the offset, which only a whole record tells",
                  "integrate it behind a high-pass, and give a base_displacement");
     check_delay(study.given, "excitation." + name + ".delay", column->delay, place, issues);
-    refuse_drift("excitation." + name + ".drift", column->drift, place, issues);
+    refuse_drift("excitation." + name + ".clock_drift", column->clock_drift, place, issues);
     if (column->align) issues.add(place, "excitation." + name + ".align needs a whole record", "", "state the delay");
   }
 }

@@ -230,7 +230,7 @@ private:
     Record& table = prepared.record;
     if (g.align) prepared.preparation.push_back(align(table, g));
     table.start -= g.delay;
-    table.sample_rate *= 1.0 + g.drift;  // its samples are nearer to each other than its clock says
+    table.sample_rate *= 1.0 + g.clock_drift;  // its samples are nearer to each other than its clock says
     tell_preparation("excitation '" + name_ + "'", prepared);
     const auto signal = sampled(table, "excitation '" + name_ + "'");
     return integrated({.start = table.start, .step = 1.0 / table.sample_rate, .knots = table.samples()}, signal);
