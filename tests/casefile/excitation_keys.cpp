@@ -257,11 +257,11 @@ KeyChecks excitation_keys() {
   keys.merge(all_of(at + "impulse.", {"amplitude", "start", "duration", "shape"}, impulses));
   keys.merge(all_of(at + "road.", {"class", "speed", "band", "duration", "fade_in", "seed"}, roads));
   keys.merge(all_of(at, {"file", "channel", "sample_rate", "unit"}, recorded_signals));
-  keys.merge(all_of(
-      at,
-      {"delay", "clock_drift", "align.channel", "align.sensor", "prepare.remove_offset.from", "prepare.remove_offset.to",
-       "prepare.remove_trend", "prepare.high_pass", "prepare.low_pass", "prepare.sample_rate"},
-      prepared_signals));
+  keys.merge(all_of(at,
+                    {"delay", "clock_drift", "align.channel", "align.sensor", "prepare.remove_offset.from",
+                     "prepare.remove_offset.to", "prepare.remove_trend", "prepare.high_pass", "prepare.low_pass",
+                     "prepare.sample_rate"},
+                    prepared_signals));
   keys[at + "bridge_gaps"] = bridged_gaps;
   keys.merge(all_of(
       at, {"delayed.input", "delayed.delay", "trailing_axle.input", "trailing_axle.wheelbase", "trailing_axle.speed"},

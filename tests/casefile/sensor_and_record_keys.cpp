@@ -281,7 +281,7 @@ void calibrations_of_channels() {
   EXPECT_THROW(values(", offset: 3 m/s"), InvalidInput);
   near(values(", delay: 0.2 s")[4], ramp[6], many_roundings);
   EXPECT_EQ(values(", delay: 0.2 s").array().isNaN().count(), 2);
-  EXPECT_NEAR(values(", drift: 5 %")[0], ramp[0], 1e-10);  // of a ramp to 5: found 5e-12
+  EXPECT_NEAR(values(", drift: 5 %")[0], ramp[0], 1e-10);                            // of a ramp to 5: found 5e-12
   EXPECT_EQ(values(", delay: 0.2 s, drift: 50000 ppm").array().isNaN().count(), 2);  // 0.24 s at 0.8 s
   EXPECT_THROW(values(", drift: 50"), InvalidInput);
 }
