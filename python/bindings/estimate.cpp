@@ -48,6 +48,7 @@ py::dict sensitivity_summary(const EstimateResult& result) {
     entry["unit"] = each.unit;
     entry["value"] = number(each.value);
     entry["known_to"] = each.known_to > 0.0 ? number(each.known_to * each.scale) : py::none();
+    entry["stands_at_change"] = number(each.stands_at * each.scale);
     entry["asked_change"] = number(each.asked * each.scale);
     entry["asked_change_std"] = number(each.asked_std * each.scale);
     entry["log_likelihood_gain"] = number(each.log_likelihood_gain);

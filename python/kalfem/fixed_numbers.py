@@ -18,6 +18,7 @@ class FixedNumber:
     value: float
     unit: str
     known_to: float | None  #: stated standard deviation; None: taken as exact
+    stands_at_change: float  #: at which the estimates stand; 0 unless a stated number was moved
     asked_change: float | None  #: that makes the record most likely, the parameters estimated along with it
     asked_change_std: float | None  #: None where the record does not tell
     log_likelihood_gain: float | None  #: by that change

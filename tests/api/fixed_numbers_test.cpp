@@ -218,6 +218,37 @@ TEST(FreedNumbers, KeepToWhatMayFollow) {
   EXPECT_THAT(found.left_out, testing::Contains(HasSubstr("as unknowns")));
 }
 
+/// A mass 5 % heavier than the model's, which is known to 3 %: the estimates are those of a filter that has the mass
+/// for an unknown with this prior, which shares neither the linearisation nor the search.
+TEST(FixedNumbers, StandWhereTheRecordHasThemWithinWhatIsStated) {
+  const Record record = record_of({.mass = 1.05}, 7);
+  const auto stated = estimated(record, 1.0, {{.name = "s.2.mass", .deviation = 0.03}});
+  EstimateOptions o = options();
+  o.unknowns.push_back({"s.2.mass", {.initial = 1.0, .std = 0.03}});
+  const auto as_unknown = estimate(chain_of_three(1.0), record, o);
+  EXPECT_EQ(stated.verdict.state(), VerdictState::consistent);
+  const auto& mass = as_unknown.parameter("s.2.mass");
+  EXPECT_NEAR(effect(stated, "s.2.mass").stands_at, mass.mean - 1.0, 0.3 * mass.std);
+  for (std::size_t j = 0; j < 2; ++j) {
+    const auto& [here, there] = std::pair(stated.parameters[j], as_unknown.parameters[j]);
+    EXPECT_NEAR(here.mean, there.mean, 0.3 * there.std) << here.name;
+    EXPECT_NEAR(here.std_considered, there.std, 0.15 * there.std) << here.name;
+  }
+  EXPECT_EQ(effect(estimated(record_of({}, 7), 1.0, {{.name = "masses", .deviation = 0.01}}), "s.2.mass").stands_at,
+            0.0);
+}
+
+/// A gain 4 % off beside a mass 3 % off, both within what is stated.
+TEST(FixedNumbers, StandAtGainsToo) {
+  const auto stated = estimated(record_of({.mass = 1.03, .gain = 1.04}, 8), 1.0,
+                                {{.name = "masses", .deviation = 0.02}, {.name = "gains", .deviation = 0.03}});
+  EXPECT_EQ(stated.verdict.state(), VerdictState::consistent);
+  const double truth[] = {4e6, 1.5e3};
+  for (std::size_t j = 0; j < 2; ++j)
+    EXPECT_NEAR(stated.parameters[j].mean, truth[j], 3.0 * stated.parameters[j].std_considered)
+        << stated.parameters[j].name;
+}
+
 TEST(FixedNumbers, RefusesWhatCannotBeStated) {
   const Record record = record_of({}, 5);
   const std::vector<KnownTo> stated{

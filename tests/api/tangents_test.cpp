@@ -102,7 +102,7 @@ double error_of(const MatrixXd& found, const MatrixXd& exact) {
 /// Runs over a simulated record in which two samples are missing.
 RunsBeside made(const Case& given, const FilterProblem& filter, const Record& record, const RecordEstimate& start,
                 const RecordEstimateOptions& monitored) {
-  RunsBeside runs(filter.problem, filter.setup, record, start, monitored);
+  RunsBeside runs(filter.problem, filter.setup, record, start, monitored, {});
   const auto& run = runs.filter();
   const auto result =
       estimate(*run.choice.augmented_model, run.input, {.filter = run.choice.filter, .keep_gains = true});

@@ -71,6 +71,7 @@ std::vector<FixedNumberEffect> effects_of(const FixedNumberStudy& study) {
                        .value = number.value,
                        .scale = number.scale,
                        .known_to = number.deviation,
+                       .stands_at = study.stands_at[i],
                        .asked = study.asked[i],
                        .asked_std = study.asked_deviation[i],
                        .log_likelihood_gain = study.gain[i],

@@ -112,6 +112,7 @@ struct FixedNumberEffect {
   double value = 0.0;
   double scale = 1.0;      ///< |value|; of a delay 1 s, of a drift 1; of a number that is 0 its stated deviation
   double known_to = 0.0;   ///< stated standard deviation [scale]; 0: taken as exact
+  double stands_at = 0.0;  ///< the change at which the estimates stand; 0 unless a stated number was moved
   double asked = 0.0;      ///< the change that makes the record most likely, the parameters estimated along
   double asked_std = 0.0;  ///< infinite where the record does not tell
   double log_likelihood_gain = 0.0;     ///< by that change

@@ -16,9 +16,7 @@ constexpr double matters = 1.0;  ///< standard deviations of an unknown
 constexpr double part_of_substep = 0.5;
 
 /// Whether a run with the change found at least half of the rise of ln L that its linear prediction promises.
-bool is_confirmed(const FixedNumberStudy& study, Index i) {
-  return study.any_stated() || study.confirmed[i] > 0.5 * study.gain[i];
-}
+bool is_confirmed(const FixedNumberStudy& study, Index i) { return study.confirmed[i] > 0.5 * study.promised_rise(i); }
 
 /// Connector forces that are polynomials over a substep act like a delay of a part of it.
 bool is_beyond_the_step(const RecordEstimate& estimate, Index i) {

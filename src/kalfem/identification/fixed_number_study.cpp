@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "kalfem/base/parallel.hpp"
+#include "kalfem/identification/rerun.hpp"
 #include "kalfem/identification/runs_beside.hpp"
 #include "kalfem/identification/white_innovations.hpp"
 #include "kalfem/statistics/quantiles.hpp"
@@ -20,17 +21,17 @@ namespace {
 
 constexpr double most_memory = 1e9;  ///< of gains and derivatives [byte]
 constexpr double level = 0.005;      ///< of the test of all numbers together
-constexpr std::size_t most_confirmed = 3;
-constexpr double most_change = 0.5;       ///< in a number's scale, of a run with it
-constexpr double prior_breadth = 20.0;    ///< in deviations of an unknown: a number that is wrong moves it by some ten
+/// In deviations of an unknown: a number that is wrong moves it by some ten, one that is known to a deviation by more.
+constexpr double prior_breadth = 20.0, stated_breadth = 300.0;
 constexpr double cost_of_mean = 0.2;      ///< filter steps that a step of the mean alone costs, about
 constexpr double cost_of_tangent = 0.05;  ///< that the tangent of a number adds to it
 
-/// The problem with the unknowns beginning at the estimates, within 20 of their deviations: sigma points of a wide
+/// The problem with the unknowns beginning at the estimates, within so many of their deviations: sigma points of a wide
 /// prior see another model than the one that the filter ends with.
 EstimationProblemPtr about_estimates(const EstimationProblem& problem, const RecordEstimate& estimate) {
   auto about = std::make_shared<EstimationProblem>(problem);
   const Index last = estimate.result.unknowns.mean.cols() - 1;
+  const double breadth = problem.settings.known_to.empty() ? prior_breadth : stated_breadth;
   for (std::size_t i = 0; i < about->settings.unknowns.size(); ++i) {
     auto& unknown = about->settings.unknowns[i];
     const double value = estimate.result.unknowns.mean(static_cast<Index>(i), last);
@@ -39,7 +40,7 @@ EstimationProblemPtr about_estimates(const EstimationProblem& problem, const Rec
     if (unknown.random_walk > 0.0 || !(slope > 1e-6 * before)) continue;
     unknown.initial = value;
     const double own = estimate.result.unknowns.deviation(static_cast<Index>(i), last);
-    unknown.deviation = std::min(unknown.deviation * slope / before, prior_breadth * own);
+    unknown.deviation = std::min(unknown.deviation * slope / before, breadth * own);
   }
   about->settings.substeps = estimate.augmented_model->options().substeps;
   about->settings.passes = 1;
@@ -86,40 +87,25 @@ void set_asked(FixedNumberStudy& study) {
   }
 }
 
-/// The filter with the gains that the runs of the mean keep.
-EstimationOptions filter_options(const FilterRun& run, const EstimationSettings& settings,
-                                 const RecordEstimate& estimate) {
-  EstimationOptions options{.filter = run.choice.filter,
-                            .unscented = settings.unscented,
-                            .threads = filter_threads(settings),
-                            .state_means = false,
-                            .state_deviations = false,
-                            .keep_gains = true,
-                            .adaptive_noise = settings.adaptive_noise,
-                            .held_out = estimate.held_out};
-  options.outliers.treatment = estimate.outliers;
-  return options;
-}
-
 /// Collects what the runs beside the numbers tell, number by number.
 class Collection {
 public:
-  Collection(const std::vector<FixedNumber>& numbers, const EstimationResult& result, const RecordEstimate& estimate)
+  Collection(const RunsBeside& runs, const EstimationResult& result, const RecordEstimate& estimate)
       : judged_(result.innovation.cols() - estimate.settled),
         whiten_(result),
         innovation_(judged(result.innovation)),
         slope_(slopes(estimate)) {
     auto& study = found_.study;
-    const auto count = static_cast<Index>(numbers.size()), samples = result.innovation.cols();
-    study.numbers = numbers;
+    study.numbers = runs.numbers();
+    study.stands_at = runs.stand_at();
+    const Index count = std::ssize(study.numbers), samples = result.innovation.cols();
     study.shift = study.considered = MatrixXd::Zero(slope_.size(), count);
     study.score = VectorXd::Zero(count);
     study.confirmed = VectorXd::Constant(count, std::numeric_limits<double>::quiet_NaN());
     white_.setZero(innovation_.size(), count);
     if (!study.any_stated()) return;
     const Index quantities = estimate.result.monitored.mean.rows() + std::ssize(estimate.inputs);
-    found_.considered = {MatrixXd::Zero(slope_.size(), samples), MatrixXd::Zero(quantities, samples),
-                         MatrixXd::Zero(result.innovation.rows(), samples)};
+    found_.considered = {MatrixXd::Zero(quantities, samples), MatrixXd::Zero(result.innovation.rows(), samples)};
   }
 
   void take(std::size_t n, const NumberDerivative& found) {
@@ -135,25 +121,58 @@ public:
     white_.col(i) = moved.cast<float>();
     study.score[i] = -moved.dot(innovation_);
     study.shift.col(i) = slope_.cwiseProduct(derivative->unknowns.rightCols(1));
-    const double deviation = study.numbers[n].deviation;
-    if (!(deviation > 0.0)) return;
-    study.considered.col(i) = deviation * study.shift.col(i).cwiseAbs();
-    found_.considered.unknowns += (deviation * derivative->unknowns).cwiseAbs2();
-    found_.considered.monitored += (deviation * derivative->monitored).cwiseAbs2();
-    stated_.emplace_back(i, derivative->innovation);
+    if (study.numbers[n].deviation > 0.0) stated_.push_back({i, derivative->innovation, derivative->monitored});
   }
 
   FixedNumberResult finish() && {
     found_.study.information = (white_.transpose() * white_).cast<double>();
-    set_asked(found_.study);
-    auto& considered = found_.considered;
-    considered.unknowns = considered.unknowns.cwiseSqrt();
+    auto& [study, considered] = found_;
+    study.score += study.information * study.stands_at;
+    set_asked(study);
+    for (const auto& each : stated_)
+      considered.innovation += (study.allowed[each.number] - study.stands_at[each.number]) * each.innovation;
+    const MatrixXd root = root_of_stated();
+    for (std::size_t s = 0; s < stated_.size(); ++s) {
+      VectorXd unknowns = VectorXd::Zero(slope_.size());
+      MatrixXd monitored = MatrixXd::Zero(considered.monitored.rows(), considered.monitored.cols());
+      for (std::size_t r = 0; r < stated_.size(); ++r) {
+        const double part = root(static_cast<Index>(r), static_cast<Index>(s));
+        if (part == 0.0) continue;
+        unknowns += part * study.shift.col(stated_[r].number);
+        monitored += part * stated_[r].monitored;
+      }
+      study.considered.col(stated_[s].number) = unknowns.cwiseAbs();
+      considered.monitored += monitored.cwiseAbs2();
+    }
     considered.monitored = considered.monitored.cwiseSqrt();
-    for (const auto& [i, derivative] : stated_) considered.innovation += found_.study.allowed[i] * derivative;
     return std::move(found_);
   }
 
 private:
+  /// d nu / d c of a stated number, and that of the monitored quantities.
+  struct Stated {
+    Index number;
+    MatrixXd innovation, monitored;
+  };
+
+  /// Symmetric square root of the covariance of the stated numbers: of what is stated, or, where the estimation stands
+  /// at what the record says of them, of the posterior.
+  [[nodiscard]] MatrixXd root_of_stated() const {
+    const auto& study = found_.study;
+    std::vector<Index> stated;
+    VectorXd deviation(std::ssize(stated_));
+    for (Index s = 0; s < deviation.size(); ++s) {
+      stated.push_back(stated_[static_cast<std::size_t>(s)].number);
+      deviation[s] = study.numbers[static_cast<std::size_t>(stated.back())].deviation;
+    }
+    if (!study.is_moved()) return deviation.asDiagonal();
+    const auto scale = deviation.asDiagonal();
+    const MatrixXd precision = scale * study.information(stated, stated) * scale;
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> modes(precision);
+    const VectorXd root = (modes.eigenvalues().array().max(0.0) + 1.0).rsqrt();
+    return scale * modes.eigenvectors() * root.asDiagonal() * modes.eigenvectors().transpose();
+  }
+
   /// White, of the samples that are judged, channels and then samples.
   [[nodiscard]] VectorXd judged(const MatrixXd& innovation) const {
     return whiten_(innovation).rightCols(judged_).reshaped();
@@ -174,28 +193,10 @@ private:
   WhiteInnovations whiten_;
   VectorXd innovation_;
   VectorXd slope_;
-  Eigen::MatrixXf white_;                           ///< d nu / d c, white, one column a number
-  std::vector<std::pair<Index, MatrixXd>> stated_;  ///< d nu / d c of the stated numbers
+  Eigen::MatrixXf white_;  ///< d nu / d c, white, one column a number
+  std::vector<Stated> stated_;
   FixedNumberResult found_;
 };
-
-/// Runs the filter with the likeliest changes themselves, as their linear prediction may reach too far: along a
-/// direction that the record hardly tells, a change is large. Where numbers are stated the prediction counts.
-void confirm(const RunsBeside& runs, EstimationOptions options, Index first, double log_likelihood,
-             FixedNumberStudy& study) {
-  if (study.any_stated()) return;
-  options.keep_gains = false;
-  std::vector<Index> likely;
-  for (Index i = 0; i < study.size(); ++i)
-    if (study.is_significant(i)) likely.push_back(i);
-  std::ranges::stable_sort(likely, std::ranges::greater{}, [&](Index i) { return study.gain[i]; });
-  if (likely.size() > most_confirmed) likely.resize(most_confirmed);
-  for_each_index(likely.size(), processors(), [&](std::size_t n) {
-    const Index i = likely[n];
-    const double change = std::clamp(study.asked[i], -most_change, most_change);
-    study.confirmed[i] = runs.log_likelihood(static_cast<std::size_t>(i), change, options, first) - log_likelihood;
-  });
-}
 
 }  // namespace
 
@@ -205,6 +206,20 @@ bool FixedNumberStudy::is_significant(Index i) const {
   return std::isfinite(expected) && std::abs(asked[i]) > limit * expected;
 }
 
+double FixedNumberStudy::promised_rise(Index i) const {
+  const double step = (asked[i] - stands_at[i]) / asked_deviation[i];
+  return 0.5 * step * step;
+}
+
+VectorXd FixedNumberStudy::with_asked(Index i, double most) const {
+  FixedNumberStudy given = *this;
+  const double change = std::clamp(asked[i], stands_at[i] - most, stands_at[i] + most);
+  given.score -= change * information.col(i);
+  VectorXd changes = allowed_changes(given, i);
+  changes[i] = change;
+  return changes;
+}
+
 bool FixedNumberStudy::any_stated() const {
   return std::ranges::any_of(numbers, [](const FixedNumber& number) { return number.deviation > 0.0; });
 }
@@ -212,9 +227,10 @@ bool FixedNumberStudy::any_stated() const {
 std::optional<FixedNumberResult> study_fixed_numbers(const EstimationProblemPtr& problem,
                                                      const AugmentedModelSetup& setup, const Record& record,
                                                      const RecordEstimate& estimate,
-                                                     const RecordEstimateOptions& options, StepBudget& budget) try {
+                                                     const RecordEstimateOptions& options, StepBudget& budget,
+                                                     const ChangedNumbers& changed) try {
   const EstimationProblemPtr about = about_estimates(*problem, estimate);
-  RunsBeside runs(about, setup, record, estimate, options);
+  RunsBeside runs(about, setup, record, estimate, options, changed);
   const std::size_t count = runs.numbers().size();
   if (count == 0 || runs.memory() > most_memory) return std::nullopt;
   const double pass = steps_of_run(*about, record, *about->settings.substeps);
@@ -222,10 +238,11 @@ std::optional<FixedNumberResult> study_fixed_numbers(const EstimationProblemPtr&
   if (!budget.take(pass * (1.0 + cost_of_mean + cost_of_number * static_cast<double>(count)))) return std::nullopt;
 
   const FilterRun& filter = runs.filter();
-  EstimationOptions options_of_filter = filter_options(filter, problem->settings, estimate);
+  EstimationOptions options_of_filter = rerun_options(filter, problem->settings, estimate);
+  options_of_filter.keep_gains = true;
   EstimationResult result = kalfem::estimate(*filter.choice.augmented_model, filter.input, options_of_filter);
   if (result.failure || !runs.run_base(std::move(result.gains))) return std::nullopt;
-  Collection collection(runs.numbers(), result, estimate);
+  Collection collection(runs, result, estimate);
   const auto groups = runs.groups();
   const auto at_once = static_cast<std::size_t>(filter_threads(problem->settings));
   for (std::size_t first = 0; first < groups.size(); first += at_once) {
@@ -235,9 +252,7 @@ std::optional<FixedNumberResult> study_fixed_numbers(const EstimationProblemPtr&
     for (std::size_t g = 0; g < derivatives.size(); ++g)
       for (std::size_t n = 0; n < derivatives[g].size(); ++n) collection.take(groups[first + g][n], derivatives[g][n]);
   }
-  FixedNumberResult found = std::move(collection).finish();
-  confirm(runs, options_of_filter, estimate.settled, log_likelihood_from(result, estimate.settled), found.study);
-  return found;
+  return std::move(collection).finish();
 } catch (const InvalidInput&) {
   return std::nullopt;  // at the estimates there is no structure
 }

@@ -4,7 +4,7 @@
 #include <Eigen/Dense>
 #include <vector>
 
-#include "kalfem/identification/fixed_numbers.hpp"
+#include "kalfem/identification/numbers_at.hpp"
 #include "kalfem/identification/step_budget.hpp"
 #include "kalfem/records/record.hpp"
 
@@ -14,9 +14,10 @@ struct RecordEstimate;
 struct RecordEstimateOptions;
 
 /// How an estimation moves with the numbers c that it holds fixed, and what the record says of them. Each c_i is
-/// counted in its scale; c = 0 is the value that is held.
+/// counted in its scale; c = 0 is the value that is held. Derivatives hold where the estimation stands.
 struct FixedNumberStudy {
   std::vector<FixedNumber> numbers;
+  Eigen::VectorXd stands_at;  ///< c of the estimation, of which the scores at c = 0 follow
   Eigen::MatrixXd shift;  ///< d theta_j / d c_i, the last estimates of the unknowns, unknowns x numbers [their unit]
   Eigen::VectorXd score;  ///< g_i = d ln L / d c_i
   /// I_ij = -d2 ln L / d c_i d c_j, the unknowns estimated along with c.
@@ -27,31 +28,38 @@ struct FixedNumberStudy {
   /// What the record asks for: the change of c_i alone that makes it most likely, the other stated numbers allowed for;
   /// its standard deviation, infinite where the record does not tell; and the rise of ln L.
   Eigen::VectorXd asked, asked_deviation, gain;
-  /// The rise of ln L that a run of the filter with the asked change found, of the likeliest significant ones; not a
-  /// number of the others.
+  /// The rise of ln L, and of the logarithm of what is stated of the other numbers, with the asked change; not a number
+  /// where confirm_asked() did not look.
   Eigen::VectorXd confirmed;
-  /// Standard deviations that the stated ones of the numbers add to the unknowns, each by itself, unknowns x numbers.
+  /// Standard deviations that the stated numbers add to the unknowns, each by itself, unknowns x numbers. Where the
+  /// estimation stands at other values than are held, they are those of the posterior (I + S^-1)^-1, by its square
+  /// root.
   Eigen::MatrixXd considered;
   std::vector<std::string> failed = {};   ///< numbers beside whose value no run was possible
   std::vector<std::string> by_runs = {};  ///< numbers without a tangent, from a run beside their value
 
   [[nodiscard]] Eigen::Index size() const { return score.size(); }
   [[nodiscard]] bool any_stated() const;
+  [[nodiscard]] bool is_moved() const { return (stands_at.array() != 0.0).any(); }
   /// Whether the change that the record asks for is significant at .5 % over all numbers together, beyond what is
   /// stated of the number.
   [[nodiscard]] bool is_significant(Eigen::Index i) const;
+  /// Number i at what is asked for, though not further than `most` from where it stands; the stated ones as it then
+  /// allows them.
+  [[nodiscard]] Eigen::VectorXd with_asked(Eigen::Index i, double most) const;
+  /// What the linear prediction has for `confirmed`.
+  [[nodiscard]] double promised_rise(Eigen::Index i) const;
 };
 
-/// Standard deviations that the stated ones of fixed numbers add to unknowns and monitored quantities.
-struct ConsideredDeviations {
-  Eigen::MatrixXd unknowns;    ///< of the filter's state, unknowns x samples
-  Eigen::MatrixXd monitored;   ///< quantities x samples
+/// What stated numbers do to an estimation along its record.
+struct ConsideredNumbers {
+  Eigen::MatrixXd monitored;   ///< standard deviations that they add to monitored quantities, quantities x samples
   Eigen::MatrixXd innovation;  ///< what the allowed changes add to the innovations, channels x samples
 };
 
 struct FixedNumberResult {
   FixedNumberStudy study;
-  ConsideredDeviations considered;  ///< empty where nothing is stated
+  ConsideredNumbers considered;  ///< empty where nothing is stated
 };
 
 /// Score test of every number that an estimation holds fixed (Rao 1948, Proc. Camb. Phil. Soc. 44, 50-57), and what
@@ -65,12 +73,15 @@ struct FixedNumberResult {
 ///     g_i = -sum_k D_i,k^T S_k^-1 nu_k,   I_ij = sum_k D_i,k^T S_k^-1 D_j,k.
 /// over the samples that are judged: behind an unknown start, its wide prior bends more than a wrong number does. Gains
 /// and S_k do not depend on c here: what that leaves out is of second order where innovations are white.
+/// `changed`: the numbers of the problem, where they are not as they are held; about them
+///     g(0) = g + I c.
 ///
 /// Nothing where the filter stops, the estimates make no structure, or its gains and derivatives need more than a
 /// gigabyte; `budget`: filter steps.
 std::optional<FixedNumberResult> study_fixed_numbers(const EstimationProblemPtr& problem,
                                                      const AugmentedModelSetup& setup, const Record& record,
                                                      const RecordEstimate& estimate,
-                                                     const RecordEstimateOptions& options, StepBudget& budget);
+                                                     const RecordEstimateOptions& options, StepBudget& budget,
+                                                     const ChangedNumbers& changed = {});
 
 }  // namespace kalfem

@@ -9,6 +9,7 @@
 #include "kalfem/identification/measurement_unknowns.hpp"
 #include "kalfem/identification/record_estimate.hpp"
 #include "kalfem/identification/released_elements.hpp"
+#include "kalfem/identification/rerun.hpp"
 
 namespace kalfem {
 
@@ -106,16 +107,9 @@ private:
   [[nodiscard]] Run run_of(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
                            const Record& record) const {
     const FilterRun made = make_filter_run(problem, setup, record);
-    EstimationOptions options{.filter = made.choice.filter,
-                              .unscented = problem->settings.unscented,
-                              .threads = filter_threads(problem->settings),
-                              .state_means = false,
-                              .state_deviations = false,
-                              .adaptive_noise = problem->settings.adaptive_noise,
-                              .held_out = estimate_.held_out};
-    options.outliers.treatment = estimate_.outliers;
-    return {made.choice.augmented_model->options().unknowns,
-            kalfem::estimate(*made.choice.augmented_model, made.input, options)};
+    return {
+        made.choice.augmented_model->options().unknowns,
+        kalfem::estimate(*made.choice.augmented_model, made.input, rerun_options(made, problem->settings, estimate_))};
   }
 
   [[nodiscard]] std::optional<Run> with_parameter(const EstimationProblemPtr& with, TriedNumber& tried) const {

@@ -7,7 +7,7 @@
 
 #include "kalfem/base/units.hpp"
 #include "kalfem/identification/freed_numbers.hpp"
-#include "kalfem/identification/record_estimation.hpp"
+#include "kalfem/identification/stated_moves.hpp"
 
 namespace kalfem {
 
@@ -202,6 +202,7 @@ RecordEstimate estimate_record_thoroughly(const EstimationProblemPtr& problem, A
   estimation.settle_substeps(budget);
   renew_bases(problem, setup, record, options, budget, estimation);
   estimation.confirm_by_second_pass(budget);
+  if (!problem->settings.known_to.empty()) move_within_stated(estimation);
   estimation.look_for_jump(budget);
   estimation.study_fixed_numbers(budget);
   free_numbers(problem, setup, record, options, budget, estimation);

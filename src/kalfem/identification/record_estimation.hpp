@@ -3,12 +3,14 @@
 
 #include <optional>
 
+#include "kalfem/identification/fixed_number_study.hpp"
 #include "kalfem/identification/record_estimate.hpp"
 #include "kalfem/identification/screening.hpp"
 
 namespace kalfem {
 
-struct ConsideredDeviations;
+/// As the problem states it, or as the innovations along the record show it.
+enum class NoiseOfSensors { stated, as_recorded };
 
 /// One estimation from a record, part by part; estimate() holds what is known so far:
 ///
@@ -20,7 +22,9 @@ struct ConsideredDeviations;
 ///    linearises about a first guess far off learns wrongly from the first samples, and never forgets.
 /// 3. settle_substeps(): as many more substeps as that bias asks for.
 /// 4. confirm_by_second_pass(): where the record knows an unknown far better than its prior.
-/// 5. look_for_jump(): an unknown that is not constant. Within a limited budget it comes before more substeps where the
+/// 5. kalfem::move_within_stated(): where the run contradicts itself, numbers that are known to some deviation stand
+///    where the record has them.
+/// 6. look_for_jump(): an unknown that is not constant. Within a limited budget it comes before more substeps where the
 ///    estimates change along the record: these substeps would settle a compromise.
 ///
 /// Each search behind the answer ends before a run that the budget does not allow, and is then among what was left out.
@@ -41,7 +45,16 @@ public:
   /// Fixed numbers that the record asks to change, as unknowns: see kalfem::try_numbers().
   [[nodiscard]] NumberTrials try_numbers(StepBudget& budget);
 
+  /// The first answer with fixed numbers at `changed`, and with as many substeps as this one. Nothing where they make
+  /// no structure, or the filter stops.
+  [[nodiscard]] std::optional<RecordEstimation> with_numbers(const ChangedNumbers& changed, NoiseOfSensors noise) const;
+  /// What the record says of the fixed numbers, about where this estimation stands; see kalfem::study_fixed_numbers().
+  [[nodiscard]] std::optional<FixedNumberResult> study_numbers(StepBudget& budget) const;
+  /// ln L of the recorded samples that are judged.
+  [[nodiscard]] double log_likelihood() const;
+
   [[nodiscard]] RecordEstimate& estimate() { return estimate_; }
+  [[nodiscard]] const RecordEstimate& estimate() const { return estimate_; }
   [[nodiscard]] double steps() const { return screening_->steps() + other_steps_; }  ///< filter steps so far
 
 private:
@@ -51,7 +64,7 @@ private:
   void pass_again(int passes, bool with_start);
   void evaluate(FilteredRecord filtered, SubstepChoice substeps);
   void add_event_of_change();
-  void take_considered(const ConsideredDeviations& considered);
+  void take_considered(const ConsideredNumbers& considered);
   [[nodiscard]] FilterRun coarse_run(int substeps) const;
 
   EstimationProblemPtr problem_;  ///< with gains, delays and noise at their likeliest, once these are found
@@ -63,6 +76,8 @@ private:
   std::optional<FilterRun> run_;  ///< of the estimate
   double other_steps_ = 0.0;      ///< beside those of the screening
   bool looked_for_change_ = false;
+  ChangedNumbers changed_ = {};        ///< in the problem
+  Eigen::VectorXd log_jacobian_ = {};  ///< of the record that they correct
   RecordEstimate estimate_;
 };
 

@@ -2,7 +2,6 @@
 #include "kalfem/identification/runs_beside.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "kalfem/base/parallel.hpp"
@@ -47,9 +46,11 @@ bool is_stated(const FixedNumber& number) { return number.deviation > 0.0; }
 }  // namespace
 
 RunsBeside::RunsBeside(EstimationProblemPtr problem, const AugmentedModelSetup& setup, const Record& record,
-                       const RecordEstimate& estimate, const RecordEstimateOptions& options)
+                       const RecordEstimate& estimate, const RecordEstimateOptions& options,
+                       const ChangedNumbers& changed)
     : problem_(std::move(problem)), record_(record), monitored_(options.monitored), given_(setup) {
-  numbers_ = fixed_numbers(*problem_, *setup.parts, setup, options.updated);
+  numbers_ = changed.empty() ? fixed_numbers(*problem_, *setup.parts, setup, options.updated) : changed.numbers;
+  stand_at_ = changed.empty() ? VectorXd::Zero(std::ssize(numbers_)) : changed.changes;
   reduce_once();
   base_setup_ = setup_of(problem_, parts_, held_);
   held_.structure = base_setup_.linear_unknowns.structure;
@@ -164,23 +165,14 @@ double log_likelihood_from(const EstimationResult& result, Index first) {
   return result.log_density.tail(result.log_density.size() - first).sum();
 }
 
-double RunsBeside::log_likelihood(std::size_t i, double change, const EstimationOptions& options, Index first) const
-    try {
-  const FilterRun changed = run_of(change_of(i, change));
-  const EstimationResult result = kalfem::estimate(*changed.choice.augmented_model, changed.input, options);
-  return result.failure ? -std::numeric_limits<double>::infinity() : log_likelihood_from(result, first);
-} catch (const InvalidInput&) {
-  return -std::numeric_limits<double>::infinity();
-}
-
 /// Finite elements keep one basis beside all numbers. Those that unknowns of the filter follow have it with these.
 void RunsBeside::reduce_once() {
   parts_ = *given_.parts;
   std::vector<double> values;
-  for (const auto& number : numbers_)
-    if (is_of_finite_elements(number)) {
-      held_.parameters.push_back(*number.parameter);
-      values.push_back(number.value);
+  for (std::size_t i = 0; i < numbers_.size(); ++i)
+    if (is_of_finite_elements(numbers_[i])) {
+      held_.parameters.push_back(*numbers_[i].parameter);
+      values.push_back(value_with(i, 0.0));
     }
   held_.values = VectorXd::Map(values.data(), static_cast<Index>(values.size()));
   if (values.empty() || follows_unknowns()) return;
@@ -193,22 +185,27 @@ void RunsBeside::reduce_once() {
 
 bool RunsBeside::follows_unknowns() const { return !given_.linear_unknowns.bindings.empty(); }
 
-RunsBeside::Change RunsBeside::change_of(std::size_t i, double change) const {
-  return numbers_[i].parameter ? change_of_parameter(numbers_[i], change) : change_of_signal(numbers_[i], change);
+double RunsBeside::value_with(std::size_t i, double change) const {
+  return numbers_[i].value + (stand_at_[static_cast<Index>(i)] + change) * numbers_[i].scale;
 }
 
-RunsBeside::Change RunsBeside::change_of_parameter(const FixedNumber& number, double change) const {
-  const double value = number.value + change * number.scale;
+RunsBeside::Change RunsBeside::change_of(std::size_t i, double change) const {
+  const auto& number = numbers_[i];
+  return number.parameter ? change_of_parameter(*number.parameter, value_with(i, change))
+                          : change_of_signal(number, change);
+}
+
+RunsBeside::Change RunsBeside::change_of_parameter(const Parameter& parameter, double value) const {
   StructureParts parts = parts_;
   auto changed = std::make_shared<EstimationProblem>(*problem_);
-  if (set_parameter(parts, *number.parameter, value)) {
+  if (set_parameter(parts, parameter, value)) {
     auto structure = std::make_shared<StructureModel>(*problem_->structure);
-    set_parameter(structure->parts, *number.parameter, value);
+    set_parameter(structure->parts, parameter, value);
     changed->structure = std::move(structure);
     return {changed, setup_of(changed, parts, held_)};
   }
   HeldElements held = held_;
-  held.values[std::ranges::find(held.parameters, number.name, &Parameter::name) - held.parameters.begin()] = value;
+  held.values[std::ranges::find(held.parameters, parameter.name, &Parameter::name) - held.parameters.begin()] = value;
   if (!follows_unknowns()) parts.finite_elements = elements_->near(reduced_, held.values).finite_elements;
   return {changed, setup_of(changed, parts, held)};
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "kalfem/estimation/fixed_gain_tangents.hpp"
-#include "kalfem/identification/fixed_numbers.hpp"
+#include "kalfem/identification/numbers_at.hpp"
 #include "kalfem/identification/record_estimate.hpp"
 
 namespace kalfem {
@@ -17,16 +17,18 @@ struct NumberDerivative {
   bool by_run = false;                  ///< from a run beside the number, which has no tangent
 };
 
-/// Runs of one filter over its record, with a number changed that the problem holds fixed: of the mean with the gains
-/// of the filter as it is, and of the filter itself.
+/// Runs of one filter over its record, with a number changed that the problem holds fixed, of the mean
+/// with the gains of the filter as it is.
 class RunsBeside {
 public:
-  /// What is given stays alive. `problem`: with its substeps. Throws InvalidInput where it makes no model.
+  /// What is given stays alive. `problem`: with its substeps, and with numbers as they are `changed` in it. Throws
+  /// InvalidInput where it makes no model.
   RunsBeside(EstimationProblemPtr problem, const AugmentedModelSetup& setup, const Record& record,
-             const RecordEstimate& estimate, const RecordEstimateOptions& options);
+             const RecordEstimate& estimate, const RecordEstimateOptions& options, const ChangedNumbers& changed);
 
   [[nodiscard]] const FilterRun& filter() const { return filter_; }
   [[nodiscard]] const std::vector<FixedNumber>& numbers() const { return numbers_; }
+  [[nodiscard]] const Eigen::VectorXd& stand_at() const { return stand_at_; }
   /// Whether the filter's model has tangents; otherwise each number takes a run.
   [[nodiscard]] bool carries_tangents() const { return has_tangents(*filter_.choice.augmented_model); }
   /// Of the gains, and of the derivatives of the innovations by every number [byte].
@@ -42,9 +44,6 @@ public:
   [[nodiscard]] std::vector<NumberDerivative> derivatives(const std::vector<std::size_t>& group) const;
   /// The same by two runs beside number i, `by` in its scale away on either side.
   [[nodiscard]] std::optional<FixedGainMeans> difference(std::size_t i, double by) const;
-  /// ln L of the samples from `first` on with number i changed [its scale]; minus infinity where the filter stops.
-  [[nodiscard]] double log_likelihood(std::size_t i, double change, const EstimationOptions& options,
-                                      Eigen::Index first) const;
 
 private:
   /// The model of a run, and what is added to what it is given.
@@ -56,8 +55,9 @@ private:
 
   void reduce_once();
   [[nodiscard]] bool follows_unknowns() const;
+  [[nodiscard]] double value_with(std::size_t i, double change) const;
   [[nodiscard]] Change change_of(std::size_t i, double change) const;
-  [[nodiscard]] Change change_of_parameter(const FixedNumber& number, double change) const;
+  [[nodiscard]] Change change_of_parameter(const Parameter& parameter, double value) const;
   [[nodiscard]] Change change_of_signal(const FixedNumber& number, double change) const;
   [[nodiscard]] Eigen::MatrixXd added_to_sensor(Eigen::Index row, const FixedNumber& number) const;
   [[nodiscard]] Eigen::MatrixXd added_to_input(Eigen::Index input, bool delay) const;
@@ -75,6 +75,7 @@ private:
   const std::vector<OutputDescription>& monitored_;
   const AugmentedModelSetup& given_;
   std::vector<FixedNumber> numbers_;
+  Eigen::VectorXd stand_at_;  ///< changes of the numbers in the problem
   StructureParts parts_;
   HeldElements held_;  ///< the numbers of finite elements
   std::optional<ParameterisedStructure> elements_;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "kalfem/diagnosis/fixed_number_reasons.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
 #include "kalfem/steps/judge.hpp"
 #include "kalfem/steps/updating/outcome.hpp"
@@ -35,6 +36,19 @@ std::vector<std::pair<std::string, double>> of_measurement(const EstimationProbl
   return values;
 }
 
+/// Stated numbers where the estimates stand.
+void put_moved(const FixedNumberStudy& study, IdentifiedValues& values) {
+  for (Index i = 0; i < study.size(); ++i) {
+    const auto& number = study.numbers[static_cast<std::size_t>(i)];
+    const double change = study.stands_at[i];
+    if (change == 0.0) continue;
+    if (number.parameter)
+      values.moved.emplace_back(*number.parameter, number.value + change * number.scale);
+    else
+      values.moved_signals.push_back("'" + number.name + "' " + change_in_words(number, change));
+  }
+}
+
 }  // namespace
 
 std::optional<IdentifiedCase> identified_case_of(const Study& study, const StudyResults& results) {
@@ -43,6 +57,7 @@ std::optional<IdentifiedCase> identified_case_of(const Study& study, const Study
   if (const auto* estimation = results.find<EstimationOutcome>()) {
     values.unknowns = unknowns_of(*study.problem, *estimation);
     values.of_measurement = of_measurement(*study.problem, *estimation);
+    if (estimation->fixed_numbers) put_moved(*estimation->fixed_numbers, values);
   }
   if (const auto* updating = results.find<UpdatingOutcome>())
     values.updated = {updating->values.begin(), updating->values.end()};

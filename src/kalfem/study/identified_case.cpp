@@ -225,6 +225,15 @@ public:
     }
   }
 
+  void put_moved(const IdentifiedValues& values) {
+    for (const auto& [parameter, value] : values.moved)
+      if (!places_.set(parameter, value))
+        notes_.push_back("'" + parameter.name + "' of " + shortest(value) + " " + parameter.unit +
+                         " has no place in the case");
+    for (const auto& words : values.moved_signals)
+      notes_.push_back("the values belong to " + words + ", which is not written");
+  }
+
   [[nodiscard]] IdentifiedCase finish() const {
     static const auto schema = d::case_schema();
     const auto written =
@@ -257,6 +266,7 @@ IdentifiedCase identified_case(const Study& study, const IdentifiedValues& value
   if (!values.updated.empty()) identification.put_updated(values.updated);
   if (!values.unknowns.empty()) identification.put_estimated(values.unknowns);
   identification.put_of_measurement(values.of_measurement);
+  identification.put_moved(values);
   return identification.finish();
 }
 

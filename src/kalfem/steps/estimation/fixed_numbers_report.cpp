@@ -71,6 +71,29 @@ std::string better_known(const FixedNumberStudy& study) {
   return "The record tells more of " + names + " than is stated: as unknowns with these priors they would add less\n";
 }
 
+/// The stated numbers that were moved furthest, beside what is stated of them.
+std::string moved_words(const FixedNumberStudy& study) {
+  constexpr std::size_t most = 5;
+  if (!study.is_moved()) return "";
+  const auto deviations = [&](Index i) {
+    const double stated = study.numbers[static_cast<std::size_t>(i)].deviation;
+    return stated > 0.0 ? std::abs(study.stands_at[i]) / stated : 0.0;
+  };
+  std::vector<Index> order(static_cast<std::size_t>(study.size()));
+  std::iota(order.begin(), order.end(), Index{0});
+  std::ranges::stable_sort(order, std::ranges::greater{}, deviations);
+  std::string names;
+  for (std::size_t k = 0; k < most && k < order.size() && deviations(order[k]) > 0.0; ++k) {
+    const FixedNumber& fixed = study.numbers[static_cast<std::size_t>(order[k])];
+    names += fmt::format("{}{} {} (known to {})", k == 0 ? "" : ", ", fixed.name,
+                         change_in_words(fixed, study.stands_at[order[k]]),
+                         change_in_words(fixed, fixed.deviation).substr(1));
+  }
+  return "With the numbers as given the record contradicts the model; within what is stated of them it does not. The "
+         "estimates are those with " +
+         names + ", the others of sensitivity in summary.json\n";
+}
+
 }  // namespace
 
 Json sensitivity_summary(const RecordEstimate& estimate) {
@@ -86,6 +109,7 @@ Json sensitivity_summary(const RecordEstimate& estimate) {
                        {"unit", fixed.unit},
                        {"value", number(fixed.value)},
                        {"known_to", fixed.deviation > 0.0 ? number(fixed.deviation * fixed.scale) : Json(nullptr)},
+                       {"stands_at_change", number(study.stands_at[i] * fixed.scale)},
                        {"asked_change", number(study.asked[i] * fixed.scale)},
                        {"asked_change_std", number(study.asked_deviation[i] * fixed.scale)},
                        {"log_likelihood_gain", number(study.gain[i])},
@@ -128,7 +152,7 @@ std::string considered_words(const RecordEstimate& estimate) {
                          std::hypot(noise, estimate.considered_deviation[j]), unknown_of(estimate, j).unit, noise, most,
                          study.numbers[static_cast<std::size_t>(largest)].name);
   }
-  return words + better_known(study);
+  return moved_words(study) + words + better_known(study);
 }
 
 Section sensitivity_section(const RecordEstimate& estimate) {
@@ -137,6 +161,7 @@ Section sensitivity_section(const RecordEstimate& estimate) {
   return {"Numbers that are held fixed",
           std::string("What a small change of each number moves, in standard deviations of the parameter that it moves "
                       "furthest, and the change that makes the record most likely. ") +
+              moved_words(*estimate.fixed_numbers) +
               (stated ? "Intervals hold what is stated by known_to; every other number is taken as exact."
                       : "They are taken as exact: the intervals do not hold what they are off by. State how well they "
                         "are known by known_to."),

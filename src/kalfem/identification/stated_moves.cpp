@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kalfem/identification/stated_moves.hpp"
+
+#include "kalfem/identification/robust_deviations.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr int first_moves = 3;     ///< with noise as the record shows it; the last of them without
+constexpr int most_moves = 12;     ///< behind these
+constexpr int most_halvings = 3;   ///< of one
+constexpr double promised = 0.02;  ///< rise of the logarithm of the posterior that is not worth another move
+
+/// An estimation with its numbers somewhere, and where the record would have them.
+struct Stand {
+  RecordEstimation estimation;
+  FixedNumberStudy study;
+
+  [[nodiscard]] VectorXd step() const { return study.allowed - study.stands_at; }
+  [[nodiscard]] double log_posterior() const {
+    return estimation.log_likelihood() - pull(study.numbers, study.stands_at);
+  }
+  /// By which a full step raises it, to second order.
+  [[nodiscard]] double promises() const {
+    const VectorXd by = step();
+    return 0.5 * by.dot(study.information * by) + pull(study.numbers, by);
+  }
+};
+
+std::optional<Stand> stand_of(std::optional<RecordEstimation> estimation) {
+  if (!estimation) return std::nullopt;
+  StepBudget unlimited;
+  auto found = estimation->study_numbers(unlimited);
+  if (!found) return std::nullopt;
+  return Stand{*std::move(estimation), std::move(found->study)};
+}
+
+std::optional<Stand> first_stand(const RecordEstimation& held) {
+  auto stand = stand_of(held.with_numbers({}, NoiseOfSensors::as_recorded));
+  for (int move = 1; stand && move <= first_moves; ++move)
+    stand = stand_of(held.with_numbers({stand->study.numbers, stand->study.allowed},
+                                       move < first_moves ? NoiseOfSensors::as_recorded : NoiseOfSensors::stated));
+  return stand;
+}
+
+/// Nothing where no part of the step is an approach.
+std::optional<Stand> approach(const RecordEstimation& held, const Stand& from) {
+  VectorXd step = from.step();
+  for (int halving = 0; halving <= most_halvings; ++halving, step *= 0.5) {
+    const ChangedNumbers changed{from.study.numbers, from.study.stands_at + step};
+    auto next = held.with_numbers(changed, NoiseOfSensors::stated);
+    if (next && next->log_likelihood() - pull(changed.numbers, changed.changes) > from.log_posterior())
+      return stand_of(std::move(next));
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+void move_within_stated(RecordEstimation& estimation) {
+  if (estimation.estimate().result.failure || !contradicts_itself(estimation.estimate())) return;
+  auto stand = first_stand(estimation);
+  for (int move = 0; stand && move < most_moves && stand->promises() > promised; ++move) {
+    auto next = approach(estimation, *stand);
+    if (!next) break;
+    stand = std::move(next);
+  }
+  if (!stand) return;
+  const RecordEstimate& moved = stand->estimation.estimate();
+  if (!innovations_contradict(moved, moved.settled)) estimation = std::move(stand->estimation);
+}
+
+}  // namespace kalfem
