@@ -4,7 +4,7 @@
 set(KALFEM_CORE_HEADERS
     kalfem.hpp
     # a structure and what is done with it
-    api/compare.hpp api/estimate.hpp api/finite_elements.hpp api/infer.hpp api/laws.hpp api/live_filter.hpp api/online_filter.hpp api/place.hpp api/predict.hpp api/sensors.hpp api/simulate.hpp api/statics.hpp
+    api/compare.hpp api/correlate.hpp api/estimate.hpp api/finite_elements.hpp api/infer.hpp api/laws.hpp api/live_filter.hpp api/online_filter.hpp api/place.hpp api/predict.hpp api/sensors.hpp api/simulate.hpp api/statics.hpp
     api/structure.hpp api/update.hpp api/validate.hpp api/vibration.hpp
     # what these are described by
     base/interruption.hpp base/invalid_input.hpp base/progress.hpp
@@ -17,17 +17,19 @@ set(KALFEM_CORE_HEADERS
     model/gauges/gauge_description.hpp
     model/statics/load_case.hpp # of decks
     modal/identify_modes.hpp modal/modal_options.hpp modal/modal_result.hpp records/spectrum.hpp # modes of a record alone
+    correlation/correlate.hpp correlation/setup_mistakes.hpp updating/measured_mode.hpp updating/mode_pairing.hpp # and beside a model
+    records/measured_file.hpp records/mode_set.hpp
     records/clock_lag.hpp records/record.hpp reduction/superelement.hpp
     vibration/computed_response.hpp
     system/connector_law.hpp system/signal.hpp
     system/sensors/measurement_chain.hpp system/sensors/output_description.hpp
     system/signals/sampled.hpp)
 set(KALFEM_FORMATS_HEADERS
-    formats/deck.hpp formats/ledger.hpp formats/matrices.hpp formats/matrices/write.hpp formats/tables/csv.hpp)
+    formats/deck.hpp formats/ledger.hpp formats/mode_file.hpp formats/matrices.hpp formats/matrices/write.hpp formats/tables/csv.hpp)
 set(KALFEM_STUDY_HEADERS analysis/analysis.hpp report/run_case.hpp)
 
 # The folders' libraries of each component; a component uses those before it.
-set(KALFEM_CORE_LIBRARIES base linalg statistics sampling information verdict records modal model reduction system dynamics estimation prediction updating
+set(KALFEM_CORE_LIBRARIES base linalg statistics sampling information verdict records modal model reduction system dynamics estimation prediction updating correlation
                           identification inference placement validation vibration diagnosis live api)
 if(KALFEM_MPI)
   list(APPEND KALFEM_CORE_LIBRARIES distributed)

@@ -26,13 +26,14 @@ ALLOWED = {
     "dynamics": MODEL | {"system"},
     "estimation": MOTION,
     "prediction": MOTION | {"reduction"},
-    "updating": MOTION | {"reduction", "estimation", "prediction"},
+    "modal": NUMERICS | {"records", "statistics"},
+    "updating": MOTION | {"reduction", "estimation", "prediction", "modal"},
+    "correlation": MODEL | {"modal", "updating"},
     "distributed": NUMERICS,
     "yaml": {"base"},
 }
 LIBRARY = set(ALLOWED) - {"yaml", "distributed"}
 CORE = LIBRARY - {"formats", "verdict"}
-ALLOWED["modal"] = NUMERICS | {"records", "statistics"}
 ALLOWED["identification"] = CORE | {"verdict"}
 ROOMS = {"inference", "placement", "validation", "vibration"}
 ALLOWED.update({room: CORE | {"identification"} for room in ROOMS})
@@ -45,7 +46,7 @@ ALLOWED["pictures"] = CORE | {"identification"}
 ALLOWED["page"] = NUMERICS | {"statistics", "records", "verdict", "pictures"}
 ALLOWED["steps"] = LIBRARY | ROOMS | {"identification", "diagnosis", "study", "pictures", "page"}
 ALLOWED["watch"] = ALLOWED["study"] | {"study"}
-ALLOWED["report"] = ALLOWED["steps"] | {"steps", "modal"}
+ALLOWED["report"] = ALLOWED["steps"] | {"steps"}
 ALLOWED["analysis"] = ALLOWED["api"] | {"api", "yaml", "casefile", "study", "steps", "formats"}
 INCLUDE = re.compile(r'#include "kalfem/(\w+)/')
 NAMESPACE = re.compile(r"^namespace ([\w:]+) \{")

@@ -34,6 +34,7 @@ const std::vector<Group>& groups() {
         {"estimate", "kalfem estimate case.yaml --quiet"},
         {"predict", "kalfem predict case.yaml"},
         {"update", "kalfem update case.yaml --json"},
+        {"correlate", "kalfem correlate case.yaml"},
         {"infer", "kalfem infer case.yaml"},
         {"place", "kalfem place case.yaml"},
         {"modes", "kalfem modes frame.bdf --units mm t s"},

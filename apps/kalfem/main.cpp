@@ -95,6 +95,12 @@ std::vector<command::VerbUsage> verbs_of(const CLI::App& app) {
   return verbs;
 }
 
+/// modes.json, or a universal file of any ending.
+bool holds_modes(const std::filesystem::path& file) {
+  const auto ending = file.extension();
+  return ending != ".yaml" && ending != ".yml" && std::filesystem::is_regular_file(file);
+}
+
 command::ExitCode modes_of_deck(Arguments& arguments) {
   if (!arguments.run.changes.empty())
     throw InvalidInput("--set: a deck has no keys to change", "only a case has", "write a case that names the deck");
@@ -141,6 +147,8 @@ command::ExitCode execute(const CLI::App& app, Arguments& arguments) {
     arguments.sweep.changes = arguments.run.changes;
     return command::sweep(arguments.sweep);
   }
+  if (app.got_subcommand("correlate") && holds_modes(arguments.run.case_file))
+    return command::correlate_file(arguments.run.case_file, arguments.json);
   if (app.got_subcommand("modes") && is_deck(arguments.run.case_file)) return modes_of_deck(arguments);
   if (arguments.json) arguments.run.told = command::Told::json;
   if (arguments.quiet) arguments.run.told = command::Told::verdict;
@@ -318,6 +326,9 @@ void add_verbs(CLI::App& app, Arguments& arguments) {
     add_run_verb(app, step->name, step->meaning, arguments);
     if (step->name == "static") add_sweep(app, arguments);  // its place in the help
   }
+  app.get_subcommand("correlate")
+      ->get_option("case")
+      ->description("case file (YAML) with `update`, or modes alone: modes.json, a universal file");
   auto* modes = app.get_subcommand("modes");
   add_units(*modes, arguments);
   modes->add_option("--modes", arguments.deck.count, "how many modes of a deck; default: 20")

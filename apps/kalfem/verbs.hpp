@@ -127,6 +127,8 @@ struct ModalArguments {
 };
 /// modal: the modes of a record alone, with their standard deviations. Not usable where there is none.
 ExitCode modal(const ModalArguments& arguments);
+/// correlate of a file of modes alone: how well its sensors tell the modes apart.
+ExitCode correlate_file(const std::string& file, bool as_json);
 /// schema: the case-file reference as text, all or one section; or as JSON Schema; or the connector laws.
 ExitCode schema(bool as_json, bool laws, const std::string& topic);
 /// The JSON Schema, for editors.

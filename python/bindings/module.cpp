@@ -19,6 +19,7 @@ PYBIND11_MODULE(_core, module) {
   bind_watch(module);
   bind_infer(module);
   bind_modal(module);
+  bind_mode_sets(module);
   bind_place(module);
   bind_update(module);
   bind_validate(module);

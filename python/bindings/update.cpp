@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calls.hpp"
+#include "mode_sets.hpp"
 #include "options.hpp"
 #include "records.hpp"
 #include "results.hpp"
@@ -99,14 +100,31 @@ public:
 
 private:
   static bool is_given(const py::handle& value) { return !value.is_none(); }
+  static bool is_matrix(const py::handle& value) {
+    return py::isinstance<py::array>(value) || py::isinstance<py::list>(value);
+  }
+
+  std::vector<double> numbers(const py::handle& given, const std::string& argument) const {
+    const Eigen::VectorXd values = vector_of(given, place_ + argument);
+    return {values.begin(), values.end()};
+  }
 
   MeasuredModes modes(const py::dict& given) const {
     MeasuredModes all{.substructure = given["substructure"].cast<std::string>(),
                       .frequencies = frequencies_of(given["frequencies"], given["std"], given["modes"]),
                       .above = number_of(given["above"], "Hz", place_ + "above"),
-                      .points = strings(given["points"])};
-    all.shape_std = number_of(given["shape_std"], "", place_ + "shape_std");
+                      .points = strings(given["points"]),
+                      .sensors = strings(given["sensors"])};
+    if (is_matrix(given["shape_std"]))
+      all.shape_stds = matrix(given["shape_std"], "shape_std");
+    else
+      all.shape_std = number_of(given["shape_std"], "", place_ + "shape_std");
     if (is_given(given["shapes"])) all.shapes = matrix(given["shapes"], "shapes");
+    if (is_given(given["shape_covariances"]))
+      for (const auto& each : given["shape_covariances"])
+        all.shape_covariances.push_back(matrix(each, "shape_covariances"));
+    if (is_given(given["dampings"])) all.dampings = numbers(given["dampings"], "dampings");
+    if (is_given(given["damping_std"])) all.damping_stds = numbers(given["damping_std"], "damping_std");
     return all;
   }
 
@@ -287,6 +305,10 @@ py::tuple update_structure(const Structure& structure, const py::dict& arguments
 }
 
 }  // namespace
+
+MeasuredModes measured_modes_of(Structure& structure, const py::dict& given) {
+  return std::get<MeasuredModes>(ComparisonReader(structure).read("modes", given).what);
+}
 
 UpdateOptions update_options_of(Structure& structure, const py::dict& arguments) {
   return {.substructure = cast_of<std::string>(arguments["substructure"], "substructure"),

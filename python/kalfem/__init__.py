@@ -47,6 +47,8 @@ _NAMES = {
     "analysis": ("estimate", "predict", "simulate", "update"),
     "comparing": ("MeasuredModes", "MeasuredResponses", "MeasuredDeflections", "MeasuredRecord"),
     "modal_identification": ("modal", "IdentifiedMode", "IdentifiedModes"),
+    "mode_sets": ("read_modes", "ModeSet"),
+    "correlating": ("correlate", "Correlation", "CorrelatedMode", "SetupMistake"),
     "placing": ("place", "Placement", "SensorSet"),
     "validating": ("validate", "Validation", "SensorValidation"),
     "loading": ("statics", "Statics", "StaticCase"),
@@ -141,6 +143,13 @@ if TYPE_CHECKING:
         IdentifiedMode as IdentifiedMode,
         IdentifiedModes as IdentifiedModes,
         modal as modal,
+    )
+    from .mode_sets import ModeSet as ModeSet, read_modes as read_modes
+    from .correlating import (
+        CorrelatedMode as CorrelatedMode,
+        Correlation as Correlation,
+        SetupMistake as SetupMistake,
+        correlate as correlate,
     )
     from .placing import Placement as Placement, SensorSet as SensorSet, place as place
     from .posterior import Posterior as Posterior

@@ -316,6 +316,14 @@ def modal(
     options: dict[str, Any],
     progress: _Progress = None,
 ) -> dict[str, Any]: ...
+def correlate(structure: Structure, modes: dict[str, Any]) -> dict[str, Any]: ...
+def read_modes(file: str) -> dict[str, Any]: ...
+def measured_modes(
+    modes: dict[str, Any],
+    substructure: str,
+    points: list[tuple[str, str]],
+    options: dict[str, Any],
+) -> dict[str, Any]: ...
 def place(
     structure: Structure,
     t: ArrayLike,

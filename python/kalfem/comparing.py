@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class MeasuredModes:
-    """Natural frequencies of a substructure without connectors, and mode shapes where they were measured."""
+    """Natural frequencies of a substructure without connectors, and mode shapes and dampings where they were measured."""
 
     substructure: str
     frequencies: ArrayLike  #: [Hz], shape (n,)
@@ -25,8 +25,12 @@ class MeasuredModes:
     modes: Sequence[int | None] | None = None  #: number of the model's mode for each, from 1; by order if None
     above: float = 0.0  #: modes up to this frequency are not elastic ones [Hz]
     points: Sequence[str] = ()  #: of the shapes: ``"frame.tip.z"``
-    shapes: ArrayLike | None = None  #: shape (points, n), each column in any scale and sign
-    shape_std: float = 0.05  #: of a shape's entries, relative to its largest
+    sensors: Sequence[str] = ()  #: their names, one a point; default: those of the points
+    shapes: ArrayLike | None = None  #: shape (points, n), each column in any scale and sign; nan: not measured
+    shape_std: float | ArrayLike = 0.05  #: of entries, relative to a shape's largest, or (points, n) in the shapes' unit
+    shape_covariances: Sequence[ArrayLike] | None = None  #: one a frequency, shape (points, points), instead
+    dampings: ArrayLike | None = None  #: ratios to critical, shape (n,); None: not compared
+    damping_std: ArrayLike | None = None  #: their standard deviations, shape (n,)
     weight: float = 1.0  #: factor of its sum of squares
 
 

@@ -11,15 +11,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .comparing import MeasuredModes
 from .compiled import core
 from .errors import InvalidInput, Issue, unknown_name
+from .mode_sets import ModeSet
 from .progress import reporter
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from .analysis import Progress
+    from .comparing import MeasuredModes
 
 
 @dataclass(frozen=True)
@@ -99,25 +100,25 @@ class IdentifiedModes:
         turned = (shapes * np.exp(-0.5j * np.angle((shapes**2).sum(axis=0)))).real
         return turned / np.take_along_axis(turned, abs(turned).argmax(axis=0)[None, :], axis=0)
 
-    def measured(self, substructure: str, points: Sequence[str] | None = None, **options: Any) -> MeasuredModes:
-        """What :func:`update` compares a model with: frequencies with their deviations, and shapes.
+    @property
+    def mode_set(self) -> ModeSet:
+        """The modes with all that is known of their errors, as :func:`update` and :func:`correlate` take them."""
+        return ModeSet(
+            points=list(self.channels),
+            frequencies=self.frequencies,
+            frequency_std=np.array([mode.frequency_std for mode in self.modes]),
+            dampings=self.damping,
+            damping_std=np.array([mode.damping_std for mode in self.modes]),
+            shapes=self.shapes,
+            covariances=[mode.shape_covariance for mode in self.modes],
+            degrees_of_freedom=np.array([mode.degrees_of_freedom for mode in self.modes]),
+        )
 
-        Parameters
-        ----------
-        substructure : str
-        points : list of str, optional
-            Of the channels, in their order: ``"frame.tip.z"``. None: frequencies alone.
-        **options
-            Others of :class:`MeasuredModes`.
-        """
-        std = [mode.frequency_std for mode in self.modes]
-        if points is None:
-            return MeasuredModes(substructure, self.frequencies, std, **options)
-        if len(points) != len(self.channels):
-            raise InvalidInput(
-                [Issue(f"{len(points)} points are given", f"the shapes have {len(self.channels)} channels", "name one a channel")]
-            )
-        return MeasuredModes(substructure, self.frequencies, std, points=points, shapes=self.real_shapes, **options)
+    def measured(
+        self, substructure: str, points: Mapping[str, str] | Sequence[str] | None = None, **options: Any
+    ) -> MeasuredModes:
+        """What :func:`update` compares a model with: see :meth:`ModeSet.measured`."""
+        return self.mode_set.measured(substructure, points, **options)
 
 
 def _channels_of(record, t):

@@ -8,6 +8,7 @@
 ///     kalfem/formats/tables/csv.hpp, kalfem/formats/deck.hpp, kalfem/formats/matrices/write.hpp
 ///     kalfem/report/run_case.hpp
 #include "kalfem/api/compare.hpp"
+#include "kalfem/api/correlate.hpp"
 #include "kalfem/api/estimate.hpp"
 #include "kalfem/api/finite_elements.hpp"
 #include "kalfem/api/infer.hpp"

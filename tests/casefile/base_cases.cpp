@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "formats/plate_msh.hpp"
+#include "kalfem/formats/universal/universal.hpp"
 
 namespace kalfem::test {
 namespace {
@@ -258,8 +259,9 @@ update:
     others: {applies_to: [body.b.stiffness], bounds: [10 kN/m, 60 kN/m]}
     body.damping.modal: {bounds: [0.1 %, 20 %]}
   compare:
-    tap: {modes: body, frequencies: [6.9 Hz, 30.6 Hz], deviation: 2 %, above: 1 Hz, minimum_mac: 0.3, shapes: {file: shapes.csv, points: [1, 2, 3], deviation: 0.1}, weight: 1}
-    table: {modes: body, frequencies: {file: frequencies.csv, column: f, first: 2}, model_modes: [1, 2]}
+    tap: {modes: body, frequencies: [6.9 Hz, 30.6 Hz], deviation: 2 %, above: 1 Hz, minimum_mac: 0.3, shapes: {file: shapes.csv, points: [1, 2, 3], deviation: 0.1, deviations: shape_deviations.csv}, dampings: [0.02, 0.02], damping_deviation: 20 %, weight: 1}
+    table: {modes: body, frequencies: {file: frequencies.csv, column: f, first: 2}, deviation: {file: frequencies.csv, column: std, first: 2}, dampings: {file: frequencies.csv, column: d, first: 2}, damping_deviation: {file: frequencies.csv, column: d, first: 2}, model_modes: [1, 2]}
+    modal: {modes: body, file: modes.unv, points: {1: 1:+X, 2: 2:+X, 3: 3:+X}, only: [1], shape_deviation: 0.1, compare_dampings: true, damping_deviation: 20 %, max_complexity: 0.3}
     hammer: {frf: body, inputs: [{force: 3, file: frf.csv}], outputs: [1, 2], quantity: acceleration, bands: [[2 Hz, 40 Hz]], compare: difference, deviation: 0.1, floor: 0.1, smoothing: 0 Hz, weight: 0.1}
     bend: {static: body, loads: {1: 10 N}, displacements: {1: 1.7 mm}, deviation: 0.05}
     history: {time_history: body, sensors: [a2, a3], derivatives: auto}
@@ -632,7 +634,14 @@ void write_case_files(const std::filesystem::path& folder) {
   input << "t,f\n";
   for (int k = 0; k <= 200; ++k) input << k / sample_rate << ',' << std::sin(0.1 * k) << '\n';
   std::ofstream(folder / "shapes.csv") << "m1,m2\n0.5,-0.8\n0.7,0.2\n0.8,0.7\n";
-  std::ofstream(folder / "frequencies.csv") << "f\n6.9\n30.6\n";
+  std::ofstream(folder / "shape_deviations.csv") << "m1,m2\n0.1,0.1\n0.1,0.1\n0.1,0.1\n";
+  std::ofstream(folder / "frequencies.csv") << "f,std,d\n6.9,0.1,0.02\n30.6,0.5,0.02\n";
+  MeasuredShape shape{.name = "mode 1", .frequency = 6.9, .damping = 0.02, .nodes = {1, 2, 3}};
+  shape.values = Eigen::MatrixXcd::Zero(3, 3);
+  shape.values.col(0) << 0.5, 0.7, 0.8;
+  MeasuredFile modes;
+  modes.shapes = {shape};
+  write_universal(folder / "modes.unv", modes);
   std::ofstream frf(folder / "frf.csv");
   frf << "f,H1,H2\n";
   for (int k = 1; k <= 50; ++k) frf << k << ',' << 0.1 + 0.01 * k << "+0.01j," << 0.2 + 0.01 * k << "-0.02j\n";

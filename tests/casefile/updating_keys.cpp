@@ -4,6 +4,7 @@
 
 #include "casefile/probes.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
+#include "kalfem/formats/universal/universal.hpp"
 #include "kalfem/identification/parameterised_structure.hpp"
 #include "kalfem/steps/prediction/outcome.hpp"
 #include "kalfem/steps/simulation/outcome.hpp"
@@ -161,6 +162,64 @@ void mode_shapes() {
   };
   EXPECT_EQ(pairs_with(mac - 0.001), 6);
   EXPECT_THROW(pairs_with(mac + 0.5 * (1.0 - mac)), InvalidInput);
+}
+
+/// Deviations and dampings entry by entry.
+void listed_modes() {
+  const VectorXd f = modes_at().frequencies;
+  write_file("modes.csv", "f,std [Hz],d [%],d_std\n1.5,0.2,3,0.002\n3.5,0.4,4,0.004\n");
+  const std::string table = "{file: modes.csv, column: ";
+  const VectorXd values = residual_of("modes: s, frequencies: " + table + "f}, deviation: " + table +
+                                      "std}, dampings: " + table + "d}, damping_deviation: " + table + "d_std}");
+  near(values, vector({(f[0] - 1.5) / 0.2, (f[1] - 3.5) / 0.4, -0.01 / 0.002, -0.02 / 0.004}), many_roundings);
+  const std::string some = "modes: s, frequencies: [1.5, 3.5], dampings: [0.03, 0.04]";
+  near(VectorXd(residual_of(some).tail(2)), vector({-0.01 / 0.003, -0.02 / 0.004}), many_roundings);
+  near(VectorXd(residual_of(some + ", damping_deviation: 20 %").tail(2)), vector({-0.01 / 0.006, -0.02 / 0.008}),
+       many_roundings);
+  EXPECT_THROW(residual_of("modes: s, frequencies: [1.5, 3.5], dampings: [0.03]"), InvalidInput);
+  EXPECT_THROW(residual_of("modes: s, frequencies: " + table + "f, first: 1}, deviation: " + table + "std}"),
+               InvalidInput);
+  // An empty cell is left out; a column of them is a frequency alone.
+  const VectorXd shape = modes_at().shapes.col(0);
+  write_file("shapes.csv", "m1,m2\n0.5,\n0.7,nan\n");
+  write_file("deviations.csv", "m1,m2\n0.1,\n0.2,\n");
+  const std::string shapes = "modes: s, frequencies: [1.5, 3.5], shapes: {file: shapes.csv, points: [a, b]";
+  EXPECT_EQ(residual_of(shapes + "}").size(), 4);
+  const VectorXd w = vector({100, 25}), p = vector({0.5, 0.7});
+  const double c = shape.cwiseProduct(w).dot(p) / shape.cwiseProduct(w).dot(shape);
+  near(VectorXd(residual_of(shapes + ", deviations: deviations.csv}").tail(2)),
+       VectorXd((c * shape - p).cwiseQuotient(vector({0.1, 0.2}))), many_roundings);
+}
+
+/// A universal file: exact shapes, the second looks against its axis and is complex.
+void files_of_modes() {
+  const auto modes = modes_at();
+  MeasuredFile file;
+  for (Index i = 0; i < 2; ++i) {
+    MeasuredShape shape{.name = "mode", .frequency = i == 0 ? 1.5 : 3.5, .damping = 0.03, .nodes = {7, 9}};
+    shape.values = MatrixXcd::Zero(2, 3);
+    shape.values(0, 2) = modes.shapes(0, i);
+    shape.values(1, 0) = -modes.shapes(1, i) * (i == 0 ? Complex(1.0) : Complex(1.0, 0.2));
+    file.shapes.push_back(shape);
+  }
+  write_universal(write_file("modes.unv", ""), file);
+  const std::string given = "modes: s, file: modes.unv, points: {a: 7:+Z, b: 9:-X}";
+  const auto expected = [&](double deviation) {
+    return vector({(modes.frequencies[0] - 1.5) / (1.5 * deviation), (modes.frequencies[1] - 3.5) / (3.5 * deviation)});
+  };
+  constexpr double digits = 3e-5;  // six of a frequency in the file, of which 15 % are left as the difference
+  const VectorXd values = residual_of(given);
+  ASSERT_EQ(values.size(), 6);
+  near(VectorXd(values.head(2)), expected(0.01), digits);
+  EXPECT_LT(values.segment(2, 2).norm(), 1e-3);
+  near(VectorXd(residual_of(given + ", deviation: 2 %").head(2)), expected(0.02), digits);
+  near(residual_of(given + ", only: [2]")[0], expected(0.01)[1], digits);
+  EXPECT_THROW(residual_of(given + ", only: [3]"), InvalidInput);
+  near(VectorXd(residual_of(given + ", shape_deviation: 0.1").tail(2)), VectorXd(0.5 * values.tail(2)), 1e-9);
+  near(VectorXd(residual_of(given + ", compare_dampings: true").tail(2)), vector({-0.01 / 0.003, -0.01 / 0.003}), 1e-5);
+  EXPECT_THROW(residual_of(given + ", max_complexity: 0.01"), InvalidInput);
+  EXPECT_THROW(residual_of("modes: s, file: modes.unv"), InvalidInput);  // no namesakes of the points
+  EXPECT_THROW(residual_of("modes: s, file: modes.unv, points: {a: 7:+X}"), InvalidInput);
 }
 
 // --- frequency responses ---------------------------------------------------------------------------------------------
@@ -599,8 +658,14 @@ KeyChecks updating_keys() {
   add(at + "parameters.*.", {"applies_to"}, shared_parameters);
   add(compare_at, {"modes", "frequencies.file", "frequencies.column", "frequencies.first", "model_modes", "above"},
       natural_frequencies);
+  add(compare_at,
+      {"dampings.file", "dampings.column", "dampings.first", "deviation.file", "deviation.first",
+       "damping_deviation.file", "damping_deviation.column", "damping_deviation.first", "shapes.deviations"},
+      listed_modes);
+  add(compare_at, {"file", "points", "only", "shape_deviation", "compare_dampings", "max_complexity"}, files_of_modes);
   add(compare_at, {"shapes.file", "shapes.points", "shapes.deviation", "minimum_mac"}, mode_shapes);
-  add(compare_at, {"deviation"}, [] {
+  add(compare_at, {"deviation.column"}, [] {
+    listed_modes();
     natural_frequencies();
     frequency_responses();
     deflections();

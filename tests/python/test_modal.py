@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """kf.modal on the ambient motion of a shear frame, whose modes are known, and on to kf.update."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -97,3 +99,33 @@ def test_tells_what_is_wrong(record):
         kf.modal(gap, t, progress=False)
     with pytest.raises(kf.InvalidInput, match="samples"):
         kf.modal({name: each[:200] for name, each in y.items()}, t[:200], progress=False)
+
+
+def test_a_file_of_modes_is_a_comparison_and_is_correlated(record, tmp_path):
+    """modes.json brings what the result in memory does; two exchanged cables are named."""
+    t, y = record
+    found = kf.modal(y, t, progress=False)
+    file = {"channels": found.channels, "modes": []}
+    for mode in found:
+        shape = {name: {"real": x.real, "imaginary": x.imag} for name, x in zip(found.channels, mode.shape)}
+        file["modes"].append({"frequency_hz": mode.frequency, "frequency_std_hz": mode.frequency_std, "shape": shape})
+    (tmp_path / "modes.json").write_text(json.dumps(file))
+    read = kf.read_modes(tmp_path / "modes.json")
+    assert read.points == found.channels and read.shapes == pytest.approx(found.shapes)
+    assert read.frequency_std == pytest.approx([mode.frequency_std for mode in found])
+    assert np.isnan(read.dampings).all() and read.covariances is None
+    points = {f"frame.{i}": f"floor {i}" for i in range(1, STOREYS + 1)}
+    measured = found.measured("frame", points, dampings=True)
+    assert measured.damping_std == pytest.approx([mode.damping_std for mode in found])
+    assert len(measured.shape_covariances) == STOREYS and np.shape(measured.shape_covariances[0]) == (STOREYS, STOREYS)
+    frame = kf.lumped("frame")
+    for i in range(1, STOREYS + 1):
+        frame.mass(f"{i}", 1.0).spring(f"s{i}", "ground" if i == 1 else f"{i - 1}", f"{i}", STIFFNESS)
+    s = kf.Structure().add(frame)
+    assert not kf.correlate(s, measured).mistakes
+    points["frame.1"], points["frame.2"] = points["frame.2"], points["frame.1"]
+    exchanged = kf.correlate(s, found.measured("frame", points))
+    assert exchanged.mistakes[0].kind == "swapped"
+    assert sorted(exchanged.mistakes[0].sensors) == ["floor 1", "floor 2"]
+    with pytest.raises(kf.InvalidInput, match="floor 9"):
+        found.measured("frame", {"frame.1": "floor 9"})

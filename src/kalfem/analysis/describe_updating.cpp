@@ -60,7 +60,7 @@ d::ModalData described(const std::string& name, const MeasuredModes& given, Case
     making.refuse("the frequencies of '" + name + "' have deviations of their own",
                   "a case states one for all, in Hz or in per cent", "make a comparison of each kind");
   modes.deviation = deviation.value_or(bare(0.0));
-  modes.frequencies = {std::move(frequencies), {}, {}};
+  modes.measured = d::ListedModes{.frequencies = {std::move(frequencies), {}, {}}};
   if (!modes.model_modes.empty() && modes.model_modes.size() != given.frequencies.size())
     making.refuse("some frequencies of '" + name + "' name their modes", "a case names those of all or of none", "");
   if (given.shapes.size() > 0)

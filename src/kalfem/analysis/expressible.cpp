@@ -46,8 +46,12 @@ void require_expressible_update(const d::Case& given, IssueList& issues) {
     const auto* modes = std::get_if<d::ModalData>(&comparison.value.data);
     if (!modes)
       refuse(given, {"update", "compare", name}, issues);
-    else if (modes->shapes)
+    else if (std::holds_alternative<d::ModeFile>(modes->measured))
+      refuse(given, {"update", "compare", name, "file"}, issues);
+    else if (std::get<d::ListedModes>(modes->measured).shapes)
       refuse(given, {"update", "compare", name, "shapes"}, issues);
+    else if (std::get<d::ListedModes>(modes->measured).dampings)
+      refuse(given, {"update", "compare", name, "dampings"}, issues);
   }
 }
 

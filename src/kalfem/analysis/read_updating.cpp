@@ -10,7 +10,7 @@ namespace {
 
 MeasuredModes modes_of(const description::ModalData& given) {
   MeasuredModes modes{.substructure = given.substructure.value, .frequencies = {}, .above = given.above};
-  for (const auto& mode : measured_modes(given))
+  for (const auto& mode : listed_modes(given))
     modes.frequencies.push_back({mode.frequency, mode.deviation, mode.model_mode});
   return modes;
 }

@@ -12,6 +12,7 @@
 #include "kalfem/api/sensors.hpp"
 #include "kalfem/api/structure.hpp"
 #include "kalfem/identification/known_to.hpp"
+#include "kalfem/records/mode_set.hpp"
 #include "kalfem/verdict/verdict.hpp"
 
 namespace kalfem {
@@ -34,15 +35,28 @@ struct RefinedParameter {
   } range = {};
 };
 
-/// Natural frequencies of a substructure without connectors, and mode shapes where they were measured.
+/// Natural frequencies of a substructure without connectors, and mode shapes and dampings where they were measured.
 struct MeasuredModes {
   std::string substructure;
   std::vector<MeasuredFrequency> frequencies;
-  double above = 0.0;                    ///< modes up to this frequency are not elastic ones [Hz]
-  std::vector<std::string> points = {};  ///< of the shapes: "frame.tip.z"
-  Eigen::MatrixXd shapes = {};           ///< points x frequencies, each in any scale and sign; empty: none
-  double shape_std = 0.05;               ///< of a shape's entries, relative to its largest
+  double above = 0.0;                     ///< modes up to this frequency are not elastic ones [Hz]
+  std::vector<std::string> points = {};   ///< of the shapes: "frame.tip.z"
+  std::vector<std::string> sensors = {};  ///< their names, one a point; empty: those of the points
+  Eigen::MatrixXd shapes = {};  ///< points x frequencies, each in any scale and sign; not a number: not measured;
+                                ///< empty: none
+  double shape_std = 0.05;                              ///< of a shape's entries, relative to its largest
+  Eigen::MatrixXd shape_stds = {};                      ///< of each entry, in the shapes' unit, instead; empty: none
+  std::vector<Eigen::MatrixXd> shape_covariances = {};  ///< one a frequency, points x points, instead; empty: none
+  std::vector<double> dampings = {};                    ///< ratios to critical, one a frequency; empty: not compared
+  std::vector<double> damping_stds = {};                ///< their standard deviations
 };
+
+/// Modes of a file (read_modes()) or of a record (mode_set()) as a comparison with the errors that are known of them.
+/// `points`: points of the substructure, "frame.tip.z", each with the set's name of it; none: frequencies alone.
+/// Throws InvalidInput with every point that was not measured and every shape that is too complex.
+MeasuredModes measured_modes(const ModeSet& set, const std::string& substructure,
+                             const std::vector<std::pair<std::string, std::string>>& points,
+                             const ModeSetOptions& options = {});
 
 /// Frequency responses of a substructure without connectors to a force at a point, motions exp(+i 2 pi f t).
 struct MeasuredResponses {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "kalfem/api/filter_problem.hpp"
+#include "kalfem/api/modes_at_points.hpp"
 #include "kalfem/api/sensor_record.hpp"
 #include "kalfem/api/structure_description.hpp"
 #include "kalfem/base/units.hpp"
@@ -23,15 +24,6 @@ namespace {
 /// Smoothing of frequency responses decreases to the first width divided by this number, then stops.
 constexpr double smoothing_range = 10.0;
 
-/// "frame.tip.z" as {"frame", "tip.z"}.
-std::pair<std::string, std::string> split(const std::string& point) {
-  const auto dot = point.find('.');
-  if (dot == std::string::npos)
-    throw InvalidInput("'" + point + "' names no substructure", "points are qualified",
-                       "write substructure.point, such as body.1 or frame.tip.z");
-  return {point.substr(0, dot), point.substr(dot + 1)};
-}
-
 /// Makes the residual of each kind of comparison.
 class ResidualMaker {
 public:
@@ -47,15 +39,13 @@ public:
 
   std::vector<ResidualPtr> operator()(const MeasuredModes& given) const {
     const auto substructure = substructure_of(given.substructure);
-    std::vector<MeasuredMode> modes = measured_modes(given.frequencies);
-    std::vector<DofCombination> points;
-    if (given.shapes.size() > 0 || !given.points.empty()) add_shapes(given, *substructure, modes, points);
-    return {std::make_shared<ModalResidual>(substructure, modes, points, start_,
+    auto measured = modes_at_points(given, substructure->at(start_).model);
+    return {std::make_shared<ModalResidual>(substructure, std::move(measured.modes), std::move(measured.points), start_,
                                             ModalResidualOptions{.above = given.above})};
   }
 
   std::vector<ResidualPtr> operator()(const MeasuredResponses& given) const {
-    const auto [substructure, input] = split(given.input);
+    const auto [substructure, input] = split_point(given.input);
     MeasuredFrf measured{.name = "values",
                          .response = {.lines = given.frequencies, .values = given.values, .deviations = given.std},
                          .set = {.input = FrfInput::force, .place = input}};
@@ -86,13 +76,14 @@ public:
   std::vector<ResidualPtr> operator()(const MeasuredDeflections& given) const {
     if (given.displacements.empty())
       throw InvalidInput("displacements: the list is empty", "there is nothing to compare with", "");
-    const std::string name = split(given.displacements.front().first).first;
+    const std::string name = split_point(given.displacements.front().first).first;
     const auto substructure = substructure_of(name);
+    const LinearModel model = substructure->at(start_).model;
     StaticTest test{"deflections", {}, {}};
     for (const auto& [point, force] : given.forces)
-      test.forces.push_back({combination_of(*substructure, point_in(name, point)), force});
+      test.forces.push_back({combination_of(model, point_in(name, point)), force});
     for (const auto& [point, value] : given.displacements)
-      test.displacements.push_back({combination_of(*substructure, point_in(name, point)), value, given.std});
+      test.displacements.push_back({combination_of(model, point_in(name, point)), value, given.std});
     return {std::make_shared<StaticResidual>(substructure, std::vector{test}, start_)};
   }
 
@@ -118,60 +109,6 @@ private:
     auto found = parameterised_->model_of(name);
     if (!found) throw InvalidInput("substructure '" + name + "': there is none of that name", "", "");
     return found;
-  }
-
-  /// A point of that substructure, without its name.
-  static std::string point_in(const std::string& substructure, const std::string& point) {
-    const auto [owner, name] = split(point);
-    if (owner != substructure)
-      throw InvalidInput("'" + point + "' is not a point of '" + substructure + "'",
-                         "a comparison is of one substructure without connectors", "make a comparison of each");
-    return name;
-  }
-
-  [[nodiscard]] DofCombination combination_of(const ParameterisedModel& substructure, const std::string& point) const {
-    const LinearModel model = substructure.at(start_).model;
-    if (const auto named = model.points.find(point); named != model.points.end()) return named->second;
-    if (std::ranges::find(model.dofs, point) != model.dofs.end()) return {{point, 1.0}};
-    std::vector<std::string> known;
-    for (const auto& [each, combination] : model.points) known.push_back(each);
-    if (!model.points_only) known.insert(known.end(), model.dofs.begin(), model.dofs.end());
-    throw InvalidInput("there is no point '" + point + "'" + did_you_mean(point, known), "", "");
-  }
-
-  static std::vector<MeasuredMode> measured_modes(const std::vector<MeasuredFrequency>& given) {
-    std::vector<MeasuredMode> modes;
-    IssueList issues;
-    for (std::size_t i = 0; i < given.size(); ++i) {
-      const auto& [frequency, std, mode] = given[i];
-      if (!(frequency > 0.0) || !(std > 0.0))
-        issues.add({},
-                   "frequencies[" + std::to_string(i) + "]: " + shortest(frequency) +
-                       " Hz with a standard deviation of " + shortest(std) + " Hz",
-                   "both must be > 0", "");
-      modes.push_back({.frequency = frequency, .deviation = std, .model_mode = mode});
-    }
-    if (given.empty()) issues.add({}, "frequencies: the list is empty", "there is nothing to compare with", "");
-    issues.raise();
-    return modes;
-  }
-
-  void add_shapes(const MeasuredModes& given, const ParameterisedModel& substructure, std::vector<MeasuredMode>& modes,
-                  std::vector<DofCombination>& points) const {
-    if (given.shapes.rows() != std::ssize(given.points) || given.shapes.cols() != std::ssize(modes))
-      throw InvalidInput("shapes: " + std::to_string(given.shapes.rows()) + " x " +
-                             std::to_string(given.shapes.cols()) + " values, but there are " +
-                             std::to_string(given.points.size()) + " points and " + std::to_string(modes.size()) +
-                             " frequencies",
-                         "each mode is a column", "give one row per point and one column per frequency");
-    if (!(given.shape_std > 0.0))
-      throw InvalidInput("shape_std: it is " + shortest(given.shape_std), "it must be > 0", "");
-    for (const auto& point : given.points)
-      points.push_back(combination_of(substructure, point_in(given.substructure, point)));
-    for (std::size_t i = 0; i < modes.size(); ++i) {
-      modes[i].shape = given.shapes.col(static_cast<Index>(i));
-      modes[i].shape_deviation = given.shape_std;
-    }
   }
 
   static ResponseQuantity quantity_of(const OutputDescription& output) {

@@ -31,21 +31,40 @@ struct TableColumn {
   std::string column;
   std::optional<int> first;  ///< number of rows to read
 };
-using Frequencies = std::variant<std::vector<double>, TableColumn>;
-/// Mode shapes in a text table: one row per point, one column per mode.
+using ListedNumbers = std::variant<std::vector<double>, TableColumn>;
+/// One deviation for all, or a column with one a mode.
+using Deviation = std::variant<Value, TableColumn>;
+/// Mode shapes in a text table: one row per point, one column per mode; an empty cell was not measured.
 struct ShapeTable {
   std::filesystem::path file;
   std::vector<Name> points;
-  double deviation = 0.05;  ///< of an entry, relative to the largest one of the shape
+  double deviation = 0.05;                          ///< of an entry, relative to the largest one of the shape
+  std::optional<std::filesystem::path> deviations;  ///< of each entry, a table as that of the shapes
 };
 
-/// Natural frequencies and mode shapes of a substructure.
+/// Modes as numbers and tables.
+struct ListedModes {
+  Located<ListedNumbers> frequencies;
+  std::optional<ShapeTable> shapes;
+  std::optional<Located<ListedNumbers>> dampings;
+};
+/// Modes of a file with all that belongs to them.
+struct ModeFile {
+  Located<std::filesystem::path> file;
+  Named<Located<std::string>> points;  ///< of the substructure, with the file's names of them; none: they have the same
+  std::vector<int> only;               ///< numbers of the modes in the file, from 1; none: all
+  std::optional<double> shape_deviation;
+  bool dampings = false;
+  double max_complexity = 0.25;
+};
+
+/// Natural frequencies, damping ratios and mode shapes of a substructure.
 struct ModalData {
   Name substructure;
-  Located<Frequencies> frequencies;
-  Value deviation;
+  std::variant<ListedModes, ModeFile> measured;
+  Deviation deviation;
+  Deviation damping_deviation;
   std::vector<int> model_modes;
-  std::optional<ShapeTable> shapes;
   double above = 0.0;
   double minimum_mac = 0.5;
 };

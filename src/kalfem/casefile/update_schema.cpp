@@ -23,42 +23,83 @@ Schema<UpdatedParameter> updated_parameter() {
                     "several parameters that share this value"));
 }
 
-// Frequencies stand in the case as a list, or as a map that names a column of a table. The kind of the node decides.
-Schema<Frequencies> frequencies() {
-  const auto column =
-      mapping(Fields<TableColumn>()
-                  .required("file", &TableColumn::file, path(), "text table")
-                  .required("column", &TableColumn::column, text(), "column of frequencies [Hz]")
-                  .optional("first", &TableColumn::first, integer(1, 100000), "number of rows to read"));
-  const auto values = list(number("Hz", plausible::frequency()), 1);
-  const auto read = [=](const CaseNode& node, Frequencies& given) {
-    return node.yaml().kind == YamlNode::Kind::list ? values.read(node, given.emplace<std::vector<double>>())
-                                                    : column.read(node, given.emplace<TableColumn>());
+Schema<TableColumn> column_of(std::string_view what) {
+  return mapping(Fields<TableColumn>()
+                     .required("file", &TableColumn::file, path(), "text table")
+                     .required("column", &TableColumn::column, text(), what)
+                     .optional("first", &TableColumn::first, integer(1, 100000), "number of rows to read"));
+}
+
+/// Numbers by themselves, or a map that names a column of a table. The kind of the node decides.
+template <class T>
+Schema<std::variant<T, TableColumn>> or_column(const Schema<T>& values, std::string_view what) {
+  using Either = std::variant<T, TableColumn>;
+  const auto column = column_of(what);
+  const auto read = [=](const CaseNode& node, Either& given) {
+    return node.yaml().kind == YamlNode::Kind::map ? column.read(node, given.template emplace<TableColumn>())
+                                                   : values.read(node, given.template emplace<T>());
   };
-  const auto write = [=](const Frequencies& given) {
-    const auto* listed = std::get_if<std::vector<double>>(&given);
-    return listed ? values.write(*listed) : column.write(std::get<TableColumn>(given));
+  const auto write = [=](const Either& given) {
+    const auto* own = std::get_if<T>(&given);
+    return own ? values.write(*own) : column.write(std::get<TableColumn>(given));
   };
-  return make_schema<Frequencies>(read, write, either_schema(values.json_schema(), column.json_schema()));
+  return make_schema<Either>(read, write, either_schema(values.json_schema(), column.json_schema()));
+}
+
+Fields<ListedModes> listed_modes() {
+  const auto shapes =
+      Fields<ShapeTable>()
+          .required("file", &ShapeTable::file, path(),
+                    "text table: one row per point, one column per mode; an empty cell or nan was not measured")
+          .required("points", &ShapeTable::points, list(name(), 1), "points of the rows, in order")
+          .optional("deviation", &ShapeTable::deviation, number("-", Bounds::positive()),
+                    "standard deviation of an entry, as a fraction of the shape's largest entry")
+          .optional("deviations", &ShapeTable::deviations, path(),
+                    "text table like that of the shapes: the standard deviation of each entry, in the shapes' unit");
+  return Fields<ListedModes>()
+      .required("frequencies", &ListedModes::frequencies,
+                located(or_column(list(number("Hz", plausible::frequency()), 1), "column of frequencies [Hz]")),
+                "measured natural frequencies")
+      .optional("shapes", &ListedModes::shapes, mapping(shapes), "measured mode shapes")
+      .optional("dampings", &ListedModes::dampings,
+                located(or_column(list(number("-", Bounds::between(0, 1)), 1), "column of damping ratios")),
+                "measured damping ratios, one a mode, to compare with those of the model");
+}
+
+Fields<ModeFile> mode_file() {
+  return Fields<ModeFile>()
+      .required("file", &ModeFile::file, located(path()),
+                "modes.json of `kalfem modal`, or a universal file (datasets 55, 2414): frequencies, dampings, shapes")
+      .optional("points", &ModeFile::points, named(located(text()), NameRule::dotted),
+                "points of the substructure, each with the file's name of it: a channel, or node and direction like "
+                "12:+Z (12:-Z, -a3: against it); default: those that have the same name, or node.x, node.y ... of it")
+      .optional("only", &ModeFile::only, list(integer(1, 100000)),
+                "numbers of the file's modes that are compared, from 1; default: all")
+      .optional("shape_deviation", &ModeFile::shape_deviation, number("-", Bounds::positive()),
+                "standard deviation of an entry, as a fraction of the shape's largest entry; default: what the file "
+                "says of them, or 0.05")
+      .optional("compare_dampings", &ModeFile::dampings, boolean(), "compare the damping ratios as well")
+      .optional("max_complexity", &ModeFile::max_complexity, number("-", Bounds::between(0, 1)),
+                "share of a complex shape that may be out of phase; it is turned to be real");
 }
 
 kalfem::Case<ModalData> modal_data() {
-  const auto shapes =
-      Fields<ShapeTable>()
-          .required("file", &ShapeTable::file, path(), "text table: one row per point, one column per mode")
-          .required("points", &ShapeTable::points, list(name(), 1), "points of the rows, in order")
-          .optional("deviation", &ShapeTable::deviation, number("-", Bounds::positive()),
-                    "standard deviation of an entry, as a fraction of the shape's largest entry");
   return when(
       Fields<ModalData>()
-          .required("modes", &ModalData::substructure, name(), "substructure whose natural frequencies are compared")
-          .required("frequencies", &ModalData::frequencies, located(frequencies()), "measured natural frequencies")
-          .optional("deviation", &ModalData::deviation, value(),
-                    "standard deviation: in per cent of each frequency, or in Hz")
+          .required("modes", &ModalData::substructure, name(), "substructure whose modes are compared")
+          .one_of(&ModalData::measured, when(listed_modes()), when(mode_file()))
+          .optional(
+              "deviation", &ModalData::deviation, or_column(value(), "column of standard deviations [Hz]"),
+              "standard deviation: in per cent of each frequency, in Hz, or a column; default: what the file says "
+              "of it, or 1 %")
+          .optional(
+              "damping_deviation", &ModalData::damping_deviation,
+              or_column(value(), "column of standard deviations of the ratios"),
+              "standard deviation of the damping ratios: in per cent of each, or a column; default: what the file "
+              "says of it, or 10 %")
           .optional(
               "model_modes", &ModalData::model_modes, list(integer(1, 100000)),
               "number of the model's mode that each one corresponds to at the start; default: in order, or by shape")
-          .optional("shapes", &ModalData::shapes, mapping(shapes), "measured mode shapes")
           .optional("above", &ModalData::above, number("Hz", Bounds::nonnegative()),
                     "leave out the model's modes below this frequency, such as rigid-body modes on a soft suspension")
           .optional("minimum_mac", &ModalData::minimum_mac, number("-", Bounds::between(0, 1)),

@@ -20,4 +20,17 @@ Eigen::VectorXcd IdentifiedMode::shape_std() const {
 
 double IdentifiedMode::coverage_factor() const { return student_t_quantile(0.975, degrees_of_freedom); }
 
+ModeSet mode_set(const ModalResult& result) {
+  ModeSet set{.points = result.channels};
+  for (const auto& mode : result.modes)
+    set.modes.push_back({.frequency = mode.frequency,
+                         .frequency_std = mode.frequency_std(),
+                         .damping = mode.damping,
+                         .damping_std = mode.damping_std(),
+                         .shape = mode.shape,
+                         .shape_covariance = mode.shape_covariance,
+                         .degrees_of_freedom = mode.degrees_of_freedom});
+  return set;
+}
+
 }  // namespace kalfem

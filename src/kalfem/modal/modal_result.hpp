@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "kalfem/records/mode_set.hpp"
+
 namespace kalfem {
 
 /// The same mode by another method: a peak of the first singular value of the cross-spectral matrix.
@@ -58,5 +60,8 @@ struct ModalResult {
   std::vector<DiagramPole> diagram;   ///< every pole of every order
   std::vector<std::string> remarks;   ///< doubts about the settings and the record, a sentence each
 };
+
+/// The modes with the covariance of their shapes, as an updating or a correlation takes them.
+ModeSet mode_set(const ModalResult& result);
 
 }  // namespace kalfem

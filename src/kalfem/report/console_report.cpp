@@ -11,8 +11,8 @@
 namespace kalfem {
 namespace {
 
-constexpr std::array<std::string_view, 11> order{"place",  "static",   "frf",   "modes",    "simulate", "record",
-                                                 "update", "estimate", "infer", "validate", "predict"};
+constexpr std::array<std::string_view, 12> order{"place",  "static",    "frf",      "modes", "simulate", "record",
+                                                 "update", "correlate", "estimate", "infer", "validate", "predict"};
 
 /// Sizes of the finite-element substructures, and the time that they took.
 std::string elements_told(const Study& study) {

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -14,6 +13,7 @@
 #include "kalfem/base/units.hpp"
 #include "kalfem/base/version.hpp"
 #include "kalfem/formats/universal/universal.hpp"
+#include "kalfem/modal/real_shape.hpp"
 #include "kalfem/page/json_number.hpp"
 #include "kalfem/page/words.hpp"
 #include "kalfem/pictures/heat_map.hpp"
@@ -58,6 +58,15 @@ Json shape_json(const ModalResult& result, const IdentifiedMode& mode) {
                                  {"imaginary_std", number(deviation[row].imag())}};
   }
   return shape;
+}
+
+Json rows_of(const Eigen::MatrixXd& matrix) {
+  Json rows = Json::array();
+  for (Index i = 0; i < matrix.rows(); ++i) {
+    rows.push_back(Json::array());
+    for (Index j = 0; j < matrix.cols(); ++j) rows.back().push_back(number(matrix(i, j)));
+  }
+  return rows;
 }
 
 Json mode_json(const ModalResult& result, const IdentifiedMode& mode) {
@@ -151,9 +160,7 @@ MeasuredFile universal_modes(const ModalResult& result, const std::vector<Measur
 Eigen::MatrixXd real_shapes(const ModalResult& result) {
   Eigen::MatrixXd shapes(std::ssize(result.channels), std::ssize(result.modes));
   for (Index i = 0; i < shapes.cols(); ++i) {
-    const auto& shape = result.modes[static_cast<std::size_t>(i)].shape;
-    const std::complex<double> square = shape.cwiseProduct(shape).sum();
-    const Eigen::VectorXd real = (shape * std::polar(1.0, -0.5 * std::arg(square))).real();
+    const Eigen::VectorXd real = real_shape(result.modes[static_cast<std::size_t>(i)].shape).values;
     Index top = 0;
     real.cwiseAbs().maxCoeff(&top);
     shapes.col(i) = real / real[top];
@@ -228,8 +235,10 @@ Json modal_json(const std::string& source, const ModalResult& result) {
 
 void write_modal_files(const std::filesystem::path& folder, const std::string& source, const ModalResult& result,
                        const std::vector<MeasuredPlace>& places) {
-  write_file_atomically(folder / "modes.json",
-                        modal_json(source, result).dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+  Json json = modal_json(source, result);
+  for (std::size_t i = 0; i < result.modes.size(); ++i)
+    json["modes"][i]["shape_covariance"] = rows_of(result.modes[i].shape_covariance);
+  write_file_atomically(folder / "modes.json", json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
   write_file_atomically(folder / "modes.csv", modes_csv(result));
   write_file_atomically(folder / "shapes.csv", shapes_csv(result));
   write_universal(folder / "modes.unv", universal_modes(result, places));

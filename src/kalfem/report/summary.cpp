@@ -80,10 +80,9 @@ Json second_thoughts_summary(const StudyResults& results) {
 
 /// What the steps add, in the order of the file; what other steps add comes after it.
 constexpr std::array key_order{
-    "model",        "warnings",          "simulation", "record",      "parameters", "inputs",
-    "hardly_known", "estimation",        "events",     "frequencies", "smoothed",   "diagnosis",
-    "validation",   "validation_record", "prediction", "updating",    "inference",  "placement",
-    "statics",      "frequency_response"};
+    "model",      "warnings", "simulation",  "record",    "parameters", "inputs",     "hardly_known",
+    "estimation", "events",   "frequencies", "smoothed",  "diagnosis",  "validation", "validation_record",
+    "prediction", "updating", "correlation", "inference", "placement",  "statics",    "frequency_response"};
 
 void add_steps(const Study& study, const StudyResults& results, Json& summary) {
   Json found = Json::object();

@@ -10,13 +10,13 @@ namespace kalfem {
 
 // Each in the folder of its step.
 RunStep modes_step(), statics_step(), frequency_response_step(), record_step(), simulation_step(), updating_step(),
-    estimation_step(), validation_step(), prediction_step(), inference_step(), placement_step();
+    correlation_step(), estimation_step(), validation_step(), prediction_step(), inference_step(), placement_step();
 
 const std::vector<RunStep>& run_steps() {
-  static const std::vector<RunStep> steps{modes_step(),      statics_step(),    frequency_response_step(),
-                                          record_step(),     simulation_step(), updating_step(),
-                                          estimation_step(), validation_step(), prediction_step(),
-                                          inference_step(),  placement_step()};
+  static const std::vector<RunStep> steps{modes_step(),       statics_step(),    frequency_response_step(),
+                                          record_step(),      simulation_step(), updating_step(),
+                                          correlation_step(), estimation_step(), validation_step(),
+                                          prediction_step(),  inference_step(),  placement_step()};
   return steps;
 }
 
@@ -59,8 +59,8 @@ std::vector<const RunStep*> steps_of(std::string_view verb, const Study& study) 
 }
 
 std::vector<const RunStep*> verbs() {
-  constexpr std::array<std::string_view, 9> listed{"modes", "simulate", "estimate", "predict", "update",
-                                                   "infer", "place",    "static",   "frf"};
+  constexpr std::array<std::string_view, 10> listed{"modes",     "simulate", "estimate", "predict", "update",
+                                                    "correlate", "infer",    "place",    "static",  "frf"};
   std::vector<const RunStep*> steps = steps_in_order(listed);
   std::erase_if(steps, [](const RunStep* step) { return !step->has_verb(); });
   return steps;

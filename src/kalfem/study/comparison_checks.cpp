@@ -83,7 +83,7 @@ public:
   void run() {
     check_substructure();
     if (const auto* frf = std::get_if<d::FrfData>(&comparison_.value.data)) check_frf(*frf);
-    if (const auto* modal = std::get_if<d::ModalData>(&comparison_.value.data)) check_model_modes(*modal);
+    if (const auto* modal = std::get_if<d::ModalData>(&comparison_.value.data)) check_modes(*modal);
     if (const auto* sensors = sensors_of(comparison_.value)) check_record(*sensors);
   }
 
@@ -108,7 +108,13 @@ private:
     check_twice(frf.outputs, issues_);
   }
 
-  void check_model_modes(const d::ModalData& modal) {
+  void check_modes(const d::ModalData& modal) {
+    if (study_.given.damping && has_dampings(modal))
+      issues_.add(comparison_.location,
+                  comparison_.path +
+                      " compares dampings of one substructure, but modal damping is given for the whole structure",
+                  "the damping of the substructure alone is unknown",
+                  "give the substructure its own modal damping instead of `damping`");
     if (std::set<int>(modal.model_modes.begin(), modal.model_modes.end()).size() < modal.model_modes.size())
       issues_.add(comparison_.location, comparison_.path + ".model_modes: a mode is listed twice",
                   "each measured mode needs its own mode of the model", "correct the numbers");

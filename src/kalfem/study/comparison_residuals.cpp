@@ -3,18 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
 #include "kalfem/casefile/update_description.hpp"
 #include "kalfem/formats/frequency_response_file.hpp"
 #include "kalfem/formats/record_file.hpp"
-#include "kalfem/formats/tables/csv.hpp"
 #include "kalfem/updating/frf_record_residual.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 #include "kalfem/updating/modal_residual.hpp"
 #include "kalfem/updating/static_residual.hpp"
-#include "kalfem/yaml/bounds.hpp"
 
 namespace kalfem {
 
@@ -25,47 +22,17 @@ namespace {
 
 namespace d = description;
 
-constexpr double default_frequency_deviation = 0.01;
 /// Smoothing of frequency responses decreases to the first width divided by this number, then stops.
 constexpr double smoothing_range = 10.0;
 
-/// Factor that turns a column of frequencies into Hz: rad/s and rpm are angular.
-double factor_to_hertz(const std::string& unit) {
-  if (unit.empty()) return 1.0;
-  const Unit parsed = parse_unit(unit);
-  if (parsed.dimension == parse_unit("Hz").dimension) return parsed.factor;
-  if (parsed.dimension == parse_unit("rad/s").dimension) return parsed.factor / (2.0 * std::numbers::pi);
-  throw InvalidInput("the frequencies are in '" + unit + "'", "that is not a unit of frequency", "give them in Hz");
-}
-
-std::vector<double> measured_frequencies(const d::Frequencies& given) {
-  if (const auto* listed = std::get_if<std::vector<double>>(&given)) return *listed;
-  const auto& column = std::get<d::TableColumn>(given);
-  const auto table = read_csv_table(column.file, {.columns = {column.column}, .rows = column.first});
-  try {
-    const VectorXd frequencies = factor_to_hertz(table.columns.front().unit) * table.values.col(0);
-    return {frequencies.begin(), frequencies.end()};
-  } catch (const InvalidInput& error) {
-    IssueList issues;
-    issues.add(error, {column.file.string(), table.title_line});
-    throw InvalidInput(issues.issues());
-  }
-}
-
-double deviation_of(const d::Value& given, double frequency) {
-  if (given.path.empty()) return default_frequency_deviation * frequency;
-  const bool relative = !given.value.bare && given.value.dimension == Dimension{};
-  return relative ? given.value.value * frequency : checked_number(given, "Hz", Bounds::positive());
-}
-
-/// A point by its name in the substructure: a degree of freedom or a named combination.
-DofCombination point_of(const LinearModel& model, const Name& name) {
-  if (const auto point = model.points.find(name.value); point != model.points.end()) return point->second;
-  if (std::ranges::find(model.dofs, name.value) != model.dofs.end()) return {{name.value, 1.0}};
-  std::vector<std::string> known;
-  for (const auto& [point, combination] : model.points) known.push_back(point);
-  if (!model.points_only) known.insert(known.end(), model.dofs.begin(), model.dofs.end());
-  throw InvalidInput(name.issue("there is no point '" + name.value + "'" + did_you_mean(name.value, known)));
+/// ", dampings and mode shapes", as far as they are there.
+std::string kinds_beside(const std::vector<MeasuredMode>& modes) {
+  const bool dampings = std::ranges::any_of(modes, [](const auto&mode) { return mode.damping.has_value(); }),
+             shapes = std::ranges::any_of(modes, [](const auto&mode) { return mode.shape.size() > 0; });
+  return dampings && shapes ? ", dampings and mode shapes"
+         : dampings         ? " and dampings"
+         : shapes           ? " and mode shapes"
+                            : "";
 }
 
 /// Makes the residual of each kind of comparison. Each reads its measurement, converts it to SI with a deviation per
@@ -80,17 +47,13 @@ public:
 
   ComparisonResidual operator()(const d::ModalData& given) const {
     const auto model = structure_->model_of(given.substructure.value);
-    const auto start_model = model->at(start()).model;
-    std::vector<MeasuredMode> measured = measured_modes(given);
-    std::vector<DofCombination> points;
-    if (given.shapes) add_shapes(*given.shapes, start_model, measured, points);
+    auto measured = modal_measurement(given, model->at(start()).model);
     ModalResidualOptions options;
     options.above = given.above;
     options.pairing.least_mac = given.minimum_mac;
     return {name_,
-            "natural frequencies" + std::string(given.shapes ? " and mode shapes" : "") + " of '" +
-                given.substructure.value + "'",
-            {std::make_shared<ModalResidual>(model, measured, points, start(), options)}};
+            "natural frequencies" + kinds_beside(measured.modes) + " of '" + given.substructure.value + "'",
+            {std::make_shared<ModalResidual>(model, measured.modes, measured.points, start(), options)}};
   }
 
   ComparisonResidual operator()(const d::FrfData& given) const {
@@ -286,23 +249,6 @@ private:
     issues.raise();
   }
 
-  static void add_shapes(const d::ShapeTable& given, const LinearModel& model, std::vector<MeasuredMode>& measured,
-                         std::vector<DofCombination>& points) {
-    const auto table = read_csv_table(given.file);
-    for (const auto& point : given.points) points.push_back(point_of(model, point));
-    const auto rows = static_cast<Index>(points.size()), columns = static_cast<Index>(measured.size());
-    if (table.values.rows() != rows || table.values.cols() != columns)
-      throw InvalidInput(
-          given.file.string() + " holds " + std::to_string(table.values.rows()) + " rows and " +
-              std::to_string(table.values.cols()) + " columns of numbers",
-          "there are " + std::to_string(rows) + " points and " + std::to_string(columns) + " frequencies",
-          "give one row per point and one column per mode");
-    for (Index i = 0; i < columns; ++i) {
-      measured[static_cast<std::size_t>(i)].shape = table.values.col(i);
-      measured[static_cast<std::size_t>(i)].shape_deviation = given.deviation;
-    }
-  }
-
   const CaseStudy& study_;
   std::shared_ptr<const ParameterisedStructure> structure_;
   std::string name_;
@@ -344,21 +290,6 @@ private:
 };
 
 }  // namespace
-
-std::vector<MeasuredMode> measured_modes(const d::ModalData& given) {
-  const auto frequencies = measured_frequencies(given.frequencies.value);
-  if (!given.model_modes.empty() && given.model_modes.size() != frequencies.size())
-    throw InvalidInput(given.frequencies.issue(std::to_string(frequencies.size()) + " frequencies and " +
-                                                   std::to_string(given.model_modes.size()) + " model_modes",
-                                               "", "give the same number of each, or remove model_modes"));
-  std::vector<MeasuredMode> measured;
-  for (std::size_t i = 0; i < frequencies.size(); ++i) {
-    MeasuredMode mode{.frequency = frequencies[i], .deviation = deviation_of(given.deviation, frequencies[i])};
-    if (i < given.model_modes.size()) mode.model_mode = given.model_modes[i];
-    measured.push_back(std::move(mode));
-  }
-  return measured;
-}
 
 void add_comparisons(const CaseStudy& study, UpdatingPlan& plan, std::vector<std::string>& warnings) {
   IssueList issues;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <set>
 
+#include "kalfem/study/updating_setup.hpp"
+
 namespace kalfem {
 namespace {
 
@@ -147,7 +149,9 @@ private:
     if (evolves || update.starts == 1) warn({"update", "seed"}, "there is one starting point");
     for (const auto& [name, given] : update.comparisons) {
       const auto* modal = std::get_if<d::ModalData>(&given.value.data);
-      if (modal && !modal->shapes) warn({"update", "compare", name, "minimum_mac"}, "no mode shapes are compared");
+      if (modal && !has_shapes(*modal)) warn({"update", "compare", name, "minimum_mac"}, "no mode shapes are compared");
+      if (modal && !has_dampings(*modal))
+        warn({"update", "compare", name, "damping_deviation"}, "no dampings are compared");
       const auto* frf = std::get_if<d::FrfData>(&given.value.data);
       const auto is_record = [](const d::FrfInput& input) {
         return std::holds_alternative<d::FrfRecordSource>(input.source);

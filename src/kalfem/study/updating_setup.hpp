@@ -21,9 +21,22 @@ UpdatingPlan make_updating_plan(const CaseStudy& study, std::vector<std::string>
 /// no record, and the requests of those that do. Throws InvalidInput with every problem and its place.
 void add_comparisons(const CaseStudy& study, UpdatingPlan& plan, std::vector<std::string>& warnings);
 
-/// The natural frequencies of a comparison, read from its table where it names one, without the shapes. Throws
-/// InvalidInput.
-std::vector<MeasuredMode> measured_modes(const description::ModalData& given);
+/// What a comparison of modes measured, and the points of the substructure where it did.
+struct ModalMeasurement {
+  std::vector<MeasuredMode> modes;
+  std::vector<DofCombination> points = {};  ///< of the shapes
+  std::vector<std::string> places = {};     ///< their names in the substructure
+  std::vector<std::string> sensors = {};    ///< and those of the sensors
+};
+/// As it stands in the case, in tables or in a file of modes. `model`: the substructure. Throws InvalidInput.
+ModalMeasurement modal_measurement(const description::ModalData& given, const LinearModel& model);
+/// The same without the shapes, of modes that the case or its tables list.
+std::vector<MeasuredMode> listed_modes(const description::ModalData& given);
+bool has_shapes(const description::ModalData& given);
+bool has_dampings(const description::ModalData& given);
+
+/// A point by its name in the substructure: a degree of freedom or a named combination. Throws InvalidInput.
+DofCombination point_of(const LinearModel& model, const Name& name);
 
 /// Checks the comparisons without computing: their substructures and sensors must exist, and so must the record if they
 /// need one. Problems go to `issues`.

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <map>
 #include <set>
 
 #include "kalfem/base/invalid_input.hpp"
@@ -29,15 +28,61 @@ std::string named(std::size_t mode, const MeasuredMode& measured) {
   return "measured mode " + std::to_string(mode + 1) + " (" + number(measured.frequency) + " Hz)";
 }
 
+double largest_entry(const VectorXd& shape) {
+  double largest = 0.0;
+  for (const double entry : shape)
+    if (std::isfinite(entry)) largest = std::max(largest, std::abs(entry));
+  return largest;
+}
+
+void check_deviations(const std::string& name, const MeasuredMode& mode, IssueList& issues) {
+  const Index points = mode.shape.size();
+  const auto measured = mode.shape.array().isFinite();
+  if (mode.shape_covariance.size() > 0) {
+    const VectorXd variances = mode.shape_covariance.diagonal();
+    if (mode.shape_covariance.rows() != points || mode.shape_covariance.cols() != points)
+      issues.add({},
+                 "the covariance of the shape of " + name + " is not " + std::to_string(points) + " x " +
+                     std::to_string(points),
+                 "it is of all entries", "");
+    else if ((measured && !(variances.array() >= 0.0)).any() || !((measured && variances.array() > 0.0).any()))
+      issues.add({}, "the covariance of the shape of " + name + " has no positive variances", "", "");
+  } else if (mode.shape_deviations.size() > 0) {
+    if (mode.shape_deviations.size() != points)
+      issues.add(
+          {}, "the shape of " + name + " has " + std::to_string(mode.shape_deviations.size()) + " standard deviations",
+          "it has " + std::to_string(points) + " entries", "give one an entry");
+    else if ((measured && !(mode.shape_deviations.array() > 0.0)).any())
+      issues.add({}, "a standard deviation of the shape of " + name + " is not positive",
+                 "every measured entry has an error", "give a positive one, or leave the entry out");
+  } else if (!(mode.shape_deviation > 0.0)) {
+    issues.add({}, "the standard deviation of the shape of " + name + " is " + number(mode.shape_deviation),
+               "it must be positive", "give it relative to the largest entry: 0.02 for 2 %");
+  }
+}
+
 void check_shape(const std::string& name, const MeasuredMode& mode, std::size_t points, IssueList& issues) {
   if (mode.shape.size() != static_cast<Index>(points))
     issues.add({}, name + " has a shape of " + std::to_string(mode.shape.size()) + " entries",
                "there are " + std::to_string(points) + " measured points", "give one entry per point");
-  else if (!mode.shape.allFinite() || mode.shape.isZero(0.0))
-    issues.add({}, name + " has a shape that is zero or has entries that are not numbers");
-  if (!(mode.shape_deviation > 0.0))
-    issues.add({}, "the standard deviation of the shape of " + name + " is " + number(mode.shape_deviation),
-               "it must be positive", "give it relative to the largest entry: 0.02 for 2 %");
+  else if (!(largest_entry(mode.shape) > 0.0))
+    issues.add({}, name + " has a shape without an entry that was measured and moves");
+  else
+    check_deviations(name, mode, issues);
+}
+
+void check_damping(const std::string& name, const MeasuredMode& mode, IssueList& issues) {
+  if (!(*mode.damping >= 0.0) || !(*mode.damping < 1.0))
+    issues.add({}, "the damping ratio of " + name + " is " + number(*mode.damping), "it lies between 0 and 1", "");
+  if (!(mode.damping_deviation > 0.0))
+    issues.add({}, "the standard deviation of the damping of " + name + " is " + number(mode.damping_deviation),
+               "it must be positive", "give the accuracy of the measurement, such as 10 % of the damping");
+}
+
+ShapeErrors errors_of(const MeasuredMode& mode) {
+  if (mode.shape_covariance.size() > 0) return ShapeErrors::correlated(mode.shape, mode.shape_covariance);
+  if (mode.shape_deviations.size() > 0) return {mode.shape, mode.shape_deviations};
+  return {mode.shape, VectorXd::Constant(mode.shape.size(), mode.shape_deviation * largest_entry(mode.shape))};
 }
 
 void check(const std::vector<MeasuredMode>& measured, std::size_t points, const ModalResidualOptions& options) {
@@ -60,6 +105,7 @@ void check(const std::vector<MeasuredMode>& measured, std::size_t points, const 
                  name + " refers to model mode " + std::to_string(*mode.model_mode) + ", as another measured mode does",
                  "a model mode can pair with only one measured mode");
     if (mode.shape.size() > 0) check_shape(name, mode, points, issues);
+    if (mode.damping) check_damping(name, mode, issues);
   }
   if (options.skip < 0) issues.add({}, "the number of modes to skip is negative");
   issues.raise();
@@ -76,11 +122,6 @@ VectorXd frequencies_of(const std::vector<MeasuredMode>& measured) {
   VectorXd frequencies(static_cast<Index>(measured.size()));
   for (std::size_t i = 0; i < measured.size(); ++i) frequencies[static_cast<Index>(i)] = measured[i].frequency;
   return frequencies;
-}
-
-/// Of an entry of its shape; 1 where there is none.
-double shape_deviation(const MeasuredMode& mode) {
-  return mode.shape.size() > 0 ? mode.shape_deviation * mode.shape.cwiseAbs().maxCoeff() : 1.0;
 }
 
 /// The measured mode pairs with that model mode and no other does.
@@ -134,6 +175,12 @@ void add_unpaired(std::size_t i, const MeasuredMode& mode, const VectorXd& mac, 
              "check positions, directions and signs of the measured points, state its model mode, or remove it");
 }
 
+/// Of the damping by modal ratios; the last one holds for all further modes.
+double ratio_of(const ModalRatios& ratios, Index mode) {
+  if (ratios.empty()) return 0.0;
+  return ratios.values[std::min(static_cast<std::size_t>(mode), ratios.values.size() - 1)];
+}
+
 double frequency_of(double lambda) { return std::sqrt(std::max(lambda, 0.0)) / (2.0 * M_PI); }
 
 /// Orthonormal columns that are together nearest to the given ones: U V^T of their singular value decomposition.
@@ -159,12 +206,13 @@ VectorXd fit_derivative(const MatrixXd& A, const MatrixXd& dA, const VectorXd& c
 //      at the start; MAC of group and mode, then the assignment of the largest sum (pair_modes()).
 //   3. places(): within a group the direction of a mode is the combination nearest to its shape; those of several
 //      measured modes in one group are made orthogonal together. frequency^2 ~ sum lambda_i c_i^2.
-//   4. values(): (f - f_m) / deviation, and the misfit of the fitted shape at the measured points.
+//   4. values(): (f - f_m) / deviation, the whitened misfit of the fitted shape at the measured entries, and dampings.
 //   5. jacobian(): of frequencies by [FK68], of shapes through the derivative of the group's subspace
-//      ([Nel76], [Dai89] for repeated modes) and of the projector onto it [GP73].
+//      ([Nel76], [Dai89] for repeated modes) and of the projector onto it [GP73]; of dampings through both.
 /// The model and its modes at one point of the parameter space. The last group has only the use to end the others.
 struct ModalResidual::Solution {
   LinearModel model;
+  ModalRatios ratios;
   StiffnessFactor shifted;
   LowestModes modes;
   std::vector<ModeGroup> groups;
@@ -187,8 +235,10 @@ struct ModalResidual::Place {
   ModeGroup group;
   VectorXd direction;  ///< coefficients over the group, of length 1
   double frequency = 0.0;
-  VectorXd misfit;  ///< P Phi c - phi_measured; empty without a shape
-  VectorXd coefficients;
+  Index mode = 0;         ///< number among all modes of the model, from 0
+  double viscous = 0.0;   ///< phi^T C phi / (2 omega), where the damping is compared
+  VectorXd misfit;        ///< L^-1 (P Phi c - phi_measured); empty without a shape
+  VectorXd coefficients;  ///< c
 };
 
 ModalResidual::ModalResidual(std::shared_ptr<const ParameterisedModel> model, std::vector<MeasuredMode> measured,
@@ -199,21 +249,43 @@ ModalResidual::ModalResidual(std::shared_ptr<const ParameterisedModel> model, st
       options_(std::move(options)),
       references_(measured_.size()) {
   check(measured_, points_.size(), options_);
-  for (const auto& mode : measured_) size_ += 1 + mode.shape.size();
+  for (const auto& mode : measured_) {
+    errors_.push_back(mode.shape.size() > 0 ? std::optional(errors_of(mode)) : std::nullopt);
+    size_ += 1 + (errors_.back() ? errors_.back()->size() : 0) + (mode.damping ? 1 : 0);
+  }
   const Solution solution = solve_first(start);
-  choose_references(solution, first_pairs(solution), start);
+  const auto pairs = first_pairs(solution);
+  require_damping(solution, pairs);
+  choose_references(solution, pairs, start);
+}
+
+/// The model must have a damping that can be compared.
+void ModalResidual::require_damping(const Solution& solution, const std::vector<ModePair>& pairs) const {
+  IssueList issues;
+  for (std::size_t i = 0; i < measured_.size(); ++i) {
+    if (!measured_[i].damping) continue;
+    if (solution.ratios.empty() && solution.model.damping.nonZeros() == 0)
+      throw InvalidInput("the dampings of measured modes are compared, but the model has no damping", "",
+                         "give the substructure dashpots or `damping`, or leave the dampings out");
+    const double frequency = frequency_of(solution.modes.values[skip_ + *pairs[i].model]);
+    if (frequency > solution.ratios.up_to && !solution.ratios.empty())
+      issues.add({}, "the damping of " + named(i, measured_[i]) + " cannot be compared",
+                 "the model has damping ratios up to " + number(solution.ratios.up_to) + " Hz only",
+                 "raise modal_up_to, or leave the mode out");
+  }
+  issues.raise();
 }
 
 /// The last group may be cut by the number of computed modes, so it is not offered for pairing where more modes follow.
 ModalResidual::Solution ModalResidual::solve(const VectorXd& parameters) const {
-  LinearModel model = model_->at(parameters).model;
+  auto [model, ratios] = model_->at(parameters);
   StiffnessFactor shifted = factor_stiffness(model.stiffness, model.mass, model.dofs);
   LowestModes modes = lowest_modes(model.stiffness, model.mass, shifted, {.count = count_});
   auto groups = group_modes(modes.values, options_.repeated);
   const Index end = modes.next && !groups.empty() ? groups.back().first : modes.values.size();
   MatrixXd at_points = rows_ * modes.vectors, mass_gram;
   if (start_mass_.rows() > 0) mass_gram = modes.vectors.transpose() * (start_mass_ * modes.vectors);
-  return {std::move(model),     std::move(shifted),  std::move(modes), std::move(groups), end,
+  return {std::move(model),     std::move(ratios),   std::move(shifted), std::move(modes), std::move(groups), end,
           std::move(at_points), std::move(mass_gram)};
 }
 
@@ -267,8 +339,8 @@ void ModalResidual::choose_references(const Solution& solution, const std::vecto
 }
 
 SubspaceFit ModalResidual::fit_shape(std::size_t mode, const Solution& solution, const ModeGroup& group) const {
-  const VectorXd& shape = measured_[mode].shape;
-  const MatrixXd A = solution.at_points.middleCols(group.first, group.size);
+  const VectorXd shape = errors_[mode]->of_measured(measured_[mode].shape);
+  const MatrixXd A = errors_[mode]->of_measured(solution.at_points.middleCols(group.first, group.size));
   return fit_in_subspace(A.transpose() * A, A.transpose() * shape, shape.squaredNorm());
 }
 
@@ -309,17 +381,26 @@ std::optional<std::vector<ModalResidual::Place>> ModalResidual::places(const Sol
   std::vector<Place> places;
   for (const ModePair& pair : pairs(solution, options_.lost_mac)) {
     if (!pair.model || !(solution.modes.values[skip_ + *pair.model] > 0.0)) return {};
-    places.push_back({solution.group_of(skip_ + *pair.model), {}, 0.0, {}, {}});
+    places.push_back({.group = solution.group_of(skip_ + *pair.model),
+                      .direction = {},
+                      .mode = skip_ + *pair.model,
+                      .misfit = {},
+                      .coefficients = {}});
   }
   for (std::size_t i = 0; i < places.size(); ++i) {
     Place& place = places[i];
     place.direction = direction(i, places, solution);
     const auto values = solution.modes.values.segment(place.group.first, place.group.size);
     place.frequency = frequency_of(values.dot(place.direction.cwiseAbs2()));
-    if (measured_[i].shape.size() == 0) continue;
-    place.coefficients = fit_shape(i, solution, place.group).coefficients;
-    place.misfit =
-        solution.at_points.middleCols(place.group.first, place.group.size) * place.coefficients - measured_[i].shape;
+    if (measured_[i].damping) {
+      const VectorXd shape = solution.modes.vectors.middleCols(place.group.first, place.group.size) * place.direction;
+      place.viscous = shape.dot(solution.model.damping * shape) / (4.0 * M_PI * place.frequency);
+    }
+    if (!errors_[i]) continue;
+    const MatrixXd A = errors_[i]->whitened(solution.at_points.middleCols(place.group.first, place.group.size));
+    const VectorXd shape = errors_[i]->whitened(measured_[i].shape);
+    place.coefficients = fit_in_subspace(A.transpose() * A, A.transpose() * shape, shape.squaredNorm()).coefficients;
+    place.misfit = A * place.coefficients - shape;
   }
   return places;
 }
@@ -344,7 +425,7 @@ std::optional<ResidualValue> ModalResidual::evaluate(const VectorXd& parameters,
     const Solution solution = solve(parameters);
     const auto found = places(solution);
     if (!found) return {};
-    ResidualValue result{values(*found), {}};
+    ResidualValue result{values(*found, solution), {}};
     if (!with_jacobian) return result;
     auto slopes = jacobian(solution, *found, model_->derivatives(parameters));
     if (!slopes) return {};
@@ -360,50 +441,83 @@ RowLayout ModalResidual::layout() const {
   const auto modes = std::ssize(measured_);
   for (Index i = 0; i < modes; ++i) layout.step.push_back(i);
   for (Index i = 0; i < modes; ++i)
-    layout.step.insert(layout.step.end(), static_cast<std::size_t>(measured_[static_cast<std::size_t>(i)].shape.size()),
-                       i);
+    if (const auto& errors = errors_[static_cast<std::size_t>(i)])
+      layout.step.insert(layout.step.end(), static_cast<std::size_t>(errors->size()), i);
+  for (Index i = 0; i < modes; ++i)
+    if (measured_[static_cast<std::size_t>(i)].damping) layout.step.push_back(i);
   return layout;
 }
 
-VectorXd ModalResidual::values(const std::vector<Place>& places) const {
+double ModalResidual::model_damping(const Place& place, const Solution& solution) {
+  return place.viscous + ratio_of(solution.ratios, place.mode);
+}
+
+VectorXd ModalResidual::values(const std::vector<Place>& places, const Solution& solution) const {
   VectorXd values(size_);
   auto row = static_cast<Index>(places.size());
   for (std::size_t i = 0; i < places.size(); ++i) {
     values[static_cast<Index>(i)] = (places[i].frequency - measured_[i].frequency) / measured_[i].deviation;
-    values.segment(row, places[i].misfit.size()) = places[i].misfit / shape_deviation(measured_[i]);
+    values.segment(row, places[i].misfit.size()) = places[i].misfit;
     row += places[i].misfit.size();
   }
+  for (std::size_t i = 0; i < places.size(); ++i)
+    if (const auto& measured = measured_[i]; measured.damping)
+      values[row++] = (model_damping(places[i], solution) - *measured.damping) / measured.damping_deviation;
   return values;
+}
+
+/// dPhi_G of every group of which a shape or a damping is compared, by its first mode. Nothing where one has none.
+std::optional<ModalResidual::Slopes> ModalResidual::slopes(const Solution& solution, const std::vector<Place>& places,
+                                                           const std::vector<ModelDerivative>& derivatives) const {
+  Slopes slopes;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const ModeGroup& group = places[i].group;
+    if ((!errors_[i] && !measured_[i].damping) || slopes.contains(group.first)) continue;
+    auto moving = subspace_derivatives(solution.problem(), group, derivatives, options_.sensitivities);
+    if (!moving) return {};
+    slopes.emplace(group.first, std::move(*moving));
+  }
+  return slopes;
+}
+
+/// dzeta = [2 phi^T C dphi + phi^T dC phi] / (2 omega) - phi^T C phi domega / (2 omega^2) + dratio, dphi within the
+/// group's own combination q; domega = 2 pi df.
+double ModalResidual::damping_slope(const Place& place, const Solution& solution, const ModelDerivative& derivative,
+                                    const MatrixXd& dPhi, double frequency_slope) {
+  const VectorXd shape = solution.modes.vectors.middleCols(place.group.first, place.group.size) * place.direction;
+  double slope = 2.0 * (solution.model.damping * shape).dot(dPhi * place.direction);
+  if (derivative.damping.nonZeros() > 0) slope += shape.dot(derivative.damping * shape);
+  const double of_ratio = derivative.modal_ratios.empty() ? 0.0 : ratio_of({derivative.modal_ratios}, place.mode);
+  return slope / (4.0 * M_PI * place.frequency) - place.viscous * frequency_slope / place.frequency + of_ratio;
 }
 
 /// df = q^T D q / (8 pi^2 f) for the frequencies; nothing where a shape has no derivative.
 std::optional<MatrixXd> ModalResidual::jacobian(const Solution& solution, const std::vector<Place>& places,
                                                 const std::vector<ModelDerivative>& derivatives) const {
-  const auto parameters = static_cast<Index>(derivatives.size());
-  MatrixXd jacobian(size_, parameters);
-  std::map<Index, std::vector<MatrixXd>> moving;  // P dPhi by the first mode of a group
-  auto row = static_cast<Index>(places.size());
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const Place& place = places[i];
-    for (Index p = 0; p < parameters; ++p) {
-      const MatrixXd D = projected_derivative(solution.modes, place.group, derivatives[static_cast<std::size_t>(p)]);
-      jacobian(static_cast<Index>(i), p) =
-          place.direction.dot(D * place.direction) / (8.0 * M_PI * M_PI * place.frequency * measured_[i].deviation);
+  const auto moving = slopes(solution, places, derivatives);
+  if (!moving) return {};
+  MatrixXd jacobian(size_, std::ssize(derivatives));
+  for (std::size_t p = 0; p < derivatives.size(); ++p) {
+    auto column = jacobian.col(static_cast<Index>(p));
+    auto row = static_cast<Index>(places.size());
+    VectorXd frequency_slopes(row);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const Place& place = places[i];
+      const MatrixXd D = projected_derivative(solution.modes, place.group, derivatives[p]);
+      double& slope = frequency_slopes[static_cast<Index>(i)];
+      slope = place.direction.dot(D * place.direction) / (8.0 * M_PI * M_PI * place.frequency);
+      column[static_cast<Index>(i)] = slope / measured_[i].deviation;
+      if (!errors_[i]) continue;
+      const MatrixXd A = errors_[i]->whitened(solution.at_points.middleCols(place.group.first, place.group.size)),
+                     dA = errors_[i]->whitened(rows_ * moving->at(place.group.first)[p]);
+      column.segment(row, place.misfit.size()) = fit_derivative(A, dA, place.coefficients, place.misfit);
+      row += place.misfit.size();
     }
-    if (place.misfit.size() == 0) continue;
-    if (!moving.contains(place.group.first)) {
-      auto slopes = subspace_derivatives(solution.problem(), place.group, derivatives, options_.sensitivities);
-      if (!slopes) return {};
-      for (MatrixXd& slope : *slopes) slope = rows_ * slope;
-      moving.emplace(place.group.first, std::move(*slopes));
-    }
-    const MatrixXd A = solution.at_points.middleCols(place.group.first, place.group.size);
-    for (Index p = 0; p < parameters; ++p)
-      jacobian.col(p).segment(row, place.misfit.size()) =
-          fit_derivative(A, moving.at(place.group.first)[static_cast<std::size_t>(p)], place.coefficients,
-                         place.misfit) /
-          shape_deviation(measured_[i]);
-    row += place.misfit.size();
+    for (std::size_t i = 0; i < places.size(); ++i)
+      if (measured_[i].damping)
+        column[row++] = damping_slope(places[i], solution, derivatives[p], moving->at(places[i].group.first)[p],
+                                      frequency_slopes[static_cast<Index>(i)]) /
+                        measured_[i].damping_deviation;
   }
   return jacobian;
 }
@@ -411,10 +525,14 @@ std::optional<MatrixXd> ModalResidual::jacobian(const Solution& solution, const 
 ModePairing ModalResidual::compare(const VectorXd& parameters) const {
   const Solution solution = solve(parameters);
   const auto found = pairs(solution, 0.0);
+  const auto at = places(solution);
   ModePairing comparison{{}, solution.frequencies(skip_), agreement(solution)};
   for (std::size_t i = 0; i < found.size(); ++i) {
     const double measured = measured_[i].frequency, error = found[i].frequency_difference;
     PairedMode row{i, {}, measured, measured * (1.0 + error), error, found[i].mac};
+    row.measured_damping = measured_[i].damping;
+    row.complexity = measured_[i].complexity;
+    if (at && measured_[i].damping) row.model_damping = model_damping((*at)[i], solution);
     if (const auto mode = found[i].model) {
       row.model_mode = static_cast<int>(*mode) + 1;
       if (measured_[i].shape.size() > 0) row.mac = fit_shape(i, solution, solution.group_of(skip_ + *mode)).mac;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -8,19 +9,12 @@
 
 #include "kalfem/model/parameterised_model.hpp"
 #include "kalfem/updating/eigen_sensitivities.hpp"
+#include "kalfem/updating/measured_mode.hpp"
 #include "kalfem/updating/mode_pairing.hpp"
 #include "kalfem/updating/residual.hpp"
+#include "kalfem/updating/shape_errors.hpp"
 
 namespace kalfem {
-
-/// A natural frequency that was measured, with its shape where there is one.
-struct MeasuredMode {
-  double frequency = 0.0;              ///< [Hz]
-  double deviation = 0.0;              ///< standard deviation of the frequency [Hz]
-  std::optional<int> model_mode = {};  ///< number of its model mode at the start, 1: the lowest elastic one
-  Eigen::VectorXd shape = {};          ///< real, at the measured points, in any scale and sign; empty: not measured
-  double shape_deviation = 0.0;        ///< standard deviation of its entries, relative to the largest
-};
 
 struct ModalResidualOptions {
   int skip = 0;        ///< so many of the lowest modes are not elastic ones
@@ -32,16 +26,6 @@ struct ModalResidualOptions {
   EigenSensitivityOptions sensitivities = {};
 };
 
-/// A measured mode beside the model's.
-struct PairedMode {
-  std::size_t measured = 0;            ///< position in the list of measured modes
-  std::optional<int> model_mode = {};  ///< number among the elastic modes, from 1; nothing where no mode agrees
-  double measured_frequency = 0.0;     ///< [Hz]
-  double model_frequency = 0.0;        ///< [Hz]; of the nearest mode where it pairs with nothing
-  double relative_error = 0.0;         ///< model / measured - 1
-  double mac = 0.0;                    ///< with the measured shape; without one, with the shape at the start
-};
-
 /// All measured modes beside those of the model.
 struct ModePairing {
   std::vector<PairedMode> pairs;  ///< one a measured mode
@@ -50,11 +34,16 @@ struct ModePairing {
 };
 
 /// Natural frequencies and mode shapes against measured ones:
-///     (f_model - f_measured) / deviation                                one a measured mode, in the given order,
-///     (P Phi c - phi_measured) / (shape_deviation max |phi_measured|)   then the points of those with a shape,
-/// with P the rows of the measured points and c the least-squares fit: the modal scale factor of a single mode, and a
-/// combination of the modes of a repeated eigenvalue. Both are differentiated exactly, c included (as of a projector,
-/// [GP73]).
+///     (f_model - f_measured) / deviation        one a measured mode, in the given order,
+///     L^-1 (P Phi c - phi_measured)             then the measured entries of those with a shape,
+///     (zeta_model - zeta_measured) / deviation  then those with a damping,
+/// with P the rows of the measured points, L L^T the covariance of the entries (see ShapeErrors; by itself
+/// shape_deviation max |phi_measured| on the diagonal) and c the least-squares fit: the modal scale factor of a single
+/// mode, and a combination of the modes of a repeated eigenvalue. All are differentiated exactly, c included (as of a
+/// projector, [GP73]).
+///
+/// The model's damping ratio is phi^T C phi / (2 omega) beside the ratio of its modal damping: that of the complex mode
+/// where C leaves the modes uncoupled, and to first order in the coupling otherwise.
 ///
 /// Modes are paired anew at every evaluation, see pair_modes(). A measured mode with a shape is recognised by it. One
 /// without a shape, or with a model_mode, is paired at the start (by its number, or by order among those still free)
@@ -64,7 +53,7 @@ struct ModePairing {
 class ModalResidual final : public Residual {
 public:
   /// Throws InvalidInput with everything that is wrong: points that the model does not have, values that are not
-  /// physical, measured modes that pair with nothing at the start.
+  /// physical, measured modes that pair with nothing at the start, dampings of a model that has none.
   ModalResidual(std::shared_ptr<const ParameterisedModel> model, std::vector<MeasuredMode> measured,
                 std::vector<DofCombination> points, const Eigen::VectorXd& start, ModalResidualOptions options = {});
 
@@ -85,6 +74,7 @@ private:
   struct Place;
   [[nodiscard]] Solution solve(const Eigen::VectorXd& parameters) const;
   [[nodiscard]] Solution solve_first(const Eigen::VectorXd& start);
+  void require_damping(const Solution& solution, const std::vector<ModePair>& pairs) const;
   void choose_references(const Solution& solution, const std::vector<ModePair>& pairs, const Eigen::VectorXd& start);
   [[nodiscard]] std::vector<ModePair> first_pairs(const Solution& solution) const;
   [[nodiscard]] std::vector<ModePair> pairs(const Solution& solution, double least_mac) const;
@@ -95,12 +85,20 @@ private:
   [[nodiscard]] std::optional<std::vector<Place>> places(const Solution& solution) const;
   [[nodiscard]] Eigen::VectorXd direction(std::size_t mode, const std::vector<Place>& places,
                                           const Solution& solution) const;
-  [[nodiscard]] Eigen::VectorXd values(const std::vector<Place>& places) const;
+  using Slopes = std::map<Eigen::Index, std::vector<Eigen::MatrixXd>>;
+  [[nodiscard]] static double model_damping(const Place& place, const Solution& solution);
+  [[nodiscard]] Eigen::VectorXd values(const std::vector<Place>& places, const Solution& solution) const;
+  [[nodiscard]] std::optional<Slopes> slopes(const Solution& solution, const std::vector<Place>& places,
+                                             const std::vector<ModelDerivative>& derivatives) const;
+  [[nodiscard]] static double damping_slope(const Place& place, const Solution& solution,
+                                            const ModelDerivative& derivative, const Eigen::MatrixXd& dPhi,
+                                            double frequency_slope);
   [[nodiscard]] std::optional<Eigen::MatrixXd> jacobian(const Solution& solution, const std::vector<Place>& places,
                                                         const std::vector<ModelDerivative>& derivatives) const;
 
   std::shared_ptr<const ParameterisedModel> model_;
   std::vector<MeasuredMode> measured_;
+  std::vector<std::optional<ShapeErrors>> errors_;  ///< of those with a shape
   std::vector<DofCombination> points_;
   ModalResidualOptions options_;
   Eigen::Index size_ = 0;

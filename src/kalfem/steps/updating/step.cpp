@@ -72,7 +72,7 @@ RunStep updating_step() {
   return {.name = "update",
           .meaning = "update the linear substructures from measurements, running the steps this needs",
           .asked_for = [](const Study& study) { return study.updating.has_value(); },
-          .with = {"predict"},
+          .with = {"predict", "correlate"},
           .phases =
               [](const Study&) {
                 return std::vector<PlannedStep>{{"update", 6.0}};

@@ -73,11 +73,16 @@ Json robust_of(const RobustStatistics& robust) {
 
 Json modes_of(const std::vector<PairedMode>& modes) {
   Json list = Json::array();
-  for (const auto& mode : modes)
+  for (const auto& mode : modes) {
     list.push_back({{"measured_hz", number(mode.measured_frequency)},
                     {"model_hz", mode.model_mode ? number(mode.model_frequency) : Json(nullptr)},
                     {"error", mode.model_mode ? number(mode.relative_error) : Json(nullptr)},
                     {"mac", number(mode.mac)}});
+    if (mode.complexity > 0.0) list.back()["complexity"] = number(mode.complexity);
+    if (!mode.measured_damping) continue;
+    list.back()["measured_damping"] = number(*mode.measured_damping);
+    list.back()["model_damping"] = mode.model_damping ? number(*mode.model_damping) : Json(nullptr);
+  }
   return list;
 }
 

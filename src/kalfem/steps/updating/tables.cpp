@@ -92,17 +92,22 @@ Table comparison_table(const UpdatingOutcome& outcome) {
 
 Table paired_mode_table(const ComparisonResult& comparison) {
   Table table{"Modes of '" + comparison.name + "'",
-              {"measured [Hz]", "before [Hz]", "error", "after [Hz]", "error", "MAC"},
+              {"measured [Hz]", "before [Hz]", "error", "after [Hz]", "error", "MAC", "out of phase", "damping [%]",
+               "before [%]", "after [%]"},
               {},
               {}};
+  const auto per_cent_of = [](const std::optional<double>& ratio) { return ratio ? four_digits(100.0 * *ratio) : "-"; };
   for (std::size_t i = 0; i < comparison.modes_final.size(); ++i) {
     const auto& before = comparison.modes_initial[i];
     const auto& after = comparison.modes_final[i];
     table.rows.push_back({four_digits(after.measured_frequency), four_digits(before.model_frequency),
                           signed_per_cent(before.relative_error), four_digits(after.model_frequency),
-                          signed_per_cent(after.relative_error), fmt::format("{:.3f}", after.mac)});
+                          signed_per_cent(after.relative_error), fmt::format("{:.3f}", after.mac),
+                          after.complexity > 0.0 ? fmt::format("{:.1f} %", 100.0 * after.complexity) : "-",
+                          per_cent_of(after.measured_damping), per_cent_of(before.model_damping),
+                          per_cent_of(after.model_damping)});
   }
-  return table;
+  return without_empty_columns(std::move(table));
 }
 
 Table updating_trace_table(const Study& study, const UpdatingOutcome& outcome) {

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "console.hpp"
+#include "kalfem/correlation/correlate.hpp"
+#include "kalfem/formats/mode_file.hpp"
+#include "kalfem/page/json_number.hpp"
+#include "kalfem/page/words.hpp"
+#include "kalfem/updating/modes_of_set.hpp"
+#include "verbs.hpp"
+
+namespace kalfem::command {
+namespace {
+
+using Eigen::Index;
+using Json = nlohmann::ordered_json;
+
+/// The largest of the others: which mode the sensors confuse this one with.
+Index most_alike(const Eigen::MatrixXd& auto_mac, Index mode) {
+  Eigen::VectorXd others = auto_mac.row(mode).transpose();
+  others[mode] = -1.0;
+  Index other = 0;
+  others.maxCoeff(&other);
+  return other;
+}
+
+std::string text_of(const std::string& file, const ModeSet& set, const std::vector<MeasuredMode>& modes,
+                    const Eigen::MatrixXd& auto_mac) {
+  Table table{"Modes", {"mode", "frequency [Hz]", "damping [%]", "out of phase", "AutoMAC", "with mode"}, {}, {}};
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    const auto at = static_cast<Index>(i);
+    const Index other = most_alike(auto_mac, at);
+    const bool alone = modes.size() < 2;
+    table.rows.push_back({std::to_string(i + 1), four_digits(modes[i].frequency),
+                          std::isfinite(set.modes[i].damping) ? four_digits(100.0 * set.modes[i].damping) : "-",
+                          fmt::format("{:.1f} %", 100.0 * modes[i].complexity),
+                          alone ? "-" : fmt::format("{:.3f}", auto_mac(at, other)),
+                          alone ? "-" : std::to_string(other + 1)});
+  }
+  return fmt::format("{}: {} at {}\n\n{}", file, counted(std::ssize(modes), "mode"),
+                     counted(std::ssize(set.points), "point"), to_text(table));
+}
+
+}  // namespace
+
+ExitCode correlate_file(const std::string& file, bool as_json) {
+  const ModeSet set = read_modes(file);
+  const auto modes = modes_of_set(set, {.max_complexity = 1.0});
+  Eigen::MatrixXd shapes = Eigen::MatrixXd::Constant(std::ssize(set.points), std::ssize(modes), ModeSet::unknown);
+  for (std::size_t i = 0; i < modes.size(); ++i)
+    if (modes[i].shape.size() > 0) shapes.col(static_cast<Index>(i)) = modes[i].shape;
+  const Eigen::MatrixXd auto_mac = mac_of_measured(shapes, shapes);
+  if (!as_json) {
+    print("{}", text_of(std::filesystem::path(file).filename().string(), set, modes, auto_mac));
+    return done;
+  }
+  Json all{{"file", file}, {"points", set.points}, {"modes", Json::array()}, {"auto_mac", Json::array()}};
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    all["modes"].push_back({{"frequency_hz", number(modes[i].frequency)},
+                            {"damping", number(set.modes[i].damping)},
+                            {"complexity", number(modes[i].complexity)}});
+    all["auto_mac"].push_back(numbers(auto_mac.row(static_cast<Index>(i)).transpose()));
+  }
+  print("{}\n", all.dump(2, ' ', false, Json::error_handler_t::replace));
+  return done;
+}
+
+}  // namespace kalfem::command

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "kalfem/base/stopwatch.hpp"
+#include "kalfem/steps/correlation/outcome.hpp"
+#include "kalfem/steps/correlation/report.hpp"
+#include "kalfem/steps/run_step.hpp"
+#include "kalfem/steps/updating/outcome.hpp"
+#include "kalfem/study/updating_setup.hpp"
+
+namespace kalfem {
+namespace {
+
+namespace d = description;
+
+/// The comparison's modes, where it has shapes.
+const d::ModalData* with_shapes(const Located<d::Comparison>& comparison) {
+  const auto* modes = std::get_if<d::ModalData>(&comparison.value.data);
+  return modes && has_shapes(*modes) ? modes : nullptr;
+}
+
+Correlation correlation_of(const Study& study, const d::ModalData& given, const Eigen::VectorXd& values) {
+  const LinearModel model = study.updating_plan->structure->model_of(given.substructure.value)->at(values).model;
+  const auto measured = modal_measurement(given, model);
+  std::vector<ShapeSensor> sensors;
+  for (std::size_t i = 0; i < measured.sensors.size(); ++i)
+    sensors.push_back({measured.sensors[i], measured.places[i]});
+  CorrelationOptions options{.above = given.above};
+  options.pairing.least_mac = given.minimum_mac;
+  return correlate(measured.modes, measured.points, sensors, model, options);
+}
+
+void run_correlation(RunContext& context) {
+  const Study& study = context.study;
+  const Stopwatch watch;
+  CorrelationOutcome outcome{.comparisons = {}};
+  const auto* updating = context.results.find<UpdatingOutcome>();
+  outcome.updated = updating != nullptr;
+  const Eigen::VectorXd values = updating ? updating->values : initial_values(study.updating->parameters);
+  for (const auto& [name, comparison] : study.description->update->comparisons)
+    if (const auto* given = with_shapes(comparison))
+      outcome.comparisons.push_back({name, given->substructure.value, correlation_of(study, *given, values)});
+  for (const auto& each : outcome.comparisons)
+    for (const auto& mistake : each.correlation.mistakes)
+      context.results.warnings.push_back("set-up of '" + each.name + "': " + words_of(mistake));
+  outcome.seconds = watch.seconds();
+  context.results.put(std::move(outcome));
+}
+
+}  // namespace
+
+RunStep correlation_step() {
+  return {.name = "correlate",
+          .meaning = "pair measured modes with those of the model: MAC, COMAC, mistakes of the set-up",
+          .section = "update",
+          .asked_for =
+              [](const Study& study) {
+                return study.updating &&
+                       std::ranges::any_of(study.description->update->comparisons,
+                                           [](const auto& each) { return with_shapes(each.second) != nullptr; });
+              },
+          .run = &run_correlation,
+          .ran = &has_outcome<CorrelationOutcome>,
+          .seconds = &seconds_of<CorrelationOutcome>,
+          .summarise =
+              [](const Study&, const StudyResults& results, nlohmann::ordered_json& summary) {
+                summary["correlation"] = correlation_summary(results.get<CorrelationOutcome>());
+              },
+          .tell = [](const Study&,
+                     const StudyResults& results) { return console_correlation(results.get<CorrelationOutcome>()); },
+          .sections = [](const Study&, const StudyResults& results) -> std::vector<PlacedSection> {
+            return {{PagePlace::updating, correlation_section(results.get<CorrelationOutcome>())}};
+          }};
+}
+
+}  // namespace kalfem
