@@ -20,7 +20,6 @@
 
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/text.hpp"
-#include "kalfem/steps/compared.hpp"
 
 namespace kalfem::command {
 namespace {
@@ -129,8 +128,8 @@ void print_report(std::string_view text) {
   print_safe(draws_in_colour() ? with_bold_heads(safe) : safe);
 }
 
-void print_verdict(std::optional<VerdictState> state) {
-  const std::string line = "Verdict: " + (state ? to_string(*state) : std::string("none, ") + nothing_compared);
+void print_verdict(std::optional<VerdictState> state, const std::string& why_none) {
+  const std::string line = "Verdict: " + (state ? to_string(*state) : "none, " + why_none);
   print_safe((state && draws_in_colour() ? in_style(colour_of(*state), line) : line) + "\n");
 }
 

@@ -39,7 +39,8 @@ void print_error(fmt::format_string<Values...> format, Values&&... values) {
 /// A report with tables to stdout; on a terminal the heads of the tables are bold. NO_COLOR switches all styles off.
 void print_report(std::string_view text);
 /// "Verdict: consistent", on a terminal in the colour of the state.
-void print_verdict(std::optional<VerdictState> state);
+void print_verdict(std::optional<VerdictState> state,
+                   const std::string& why_none = "nothing was compared with measurements");
 
 /// Whether the reader of stdout has gone.
 bool reader_has_gone();

@@ -4,11 +4,15 @@
 #include <nlohmann/json.hpp>
 
 #include "console.hpp"
+#include "kalfem/casefile/case_schema.hpp"
+#include "kalfem/casefile/description.hpp"
 #include "kalfem/correlation/correlate.hpp"
 #include "kalfem/formats/mode_file.hpp"
 #include "kalfem/page/json_number.hpp"
 #include "kalfem/page/words.hpp"
+#include "kalfem/study/updating_setup.hpp"
 #include "kalfem/updating/modes_of_set.hpp"
+#include "kalfem/yaml/case_reader.hpp"
 #include "verbs.hpp"
 
 namespace kalfem::command {
@@ -44,6 +48,17 @@ std::string text_of(const std::string& file, const ModeSet& set, const std::vect
 }
 
 }  // namespace
+
+std::vector<std::string> with_any_agreement(const std::string& case_file, std::vector<std::string> changes) {
+  IssueList told_later;
+  const auto given = read_case_text(read_text_file(case_file), case_file, description::case_schema(), told_later,
+                                    process_environment(), changes_of(changes));
+  if (!given.update) return changes;
+  for (const auto& [name, comparison] : given.update->comparisons)
+    if (const auto* modes = std::get_if<description::ModalData>(&comparison.value.data); modes && has_shapes(*modes))
+      changes.push_back("update.compare." + name + ".minimum_mac=0");
+  return changes;
+}
 
 ExitCode correlate_file(const std::string& file, bool as_json) {
   const ModeSet set = read_modes(file);

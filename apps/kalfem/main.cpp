@@ -95,7 +95,7 @@ std::vector<command::VerbUsage> verbs_of(const CLI::App& app) {
   return verbs;
 }
 
-/// modes.json, or a universal file of any ending.
+/// modes.json, a MATLAB file, or a universal file of any ending.
 bool holds_modes(const std::filesystem::path& file) {
   const auto ending = file.extension();
   return ending != ".yaml" && ending != ".yml" && std::filesystem::is_regular_file(file);
@@ -149,6 +149,8 @@ command::ExitCode execute(const CLI::App& app, Arguments& arguments) {
   }
   if (app.got_subcommand("correlate") && holds_modes(arguments.run.case_file))
     return command::correlate_file(arguments.run.case_file, arguments.json);
+  if (app.got_subcommand("correlate"))
+    arguments.run.changes = command::with_any_agreement(arguments.run.case_file, arguments.run.changes);
   if (app.got_subcommand("modes") && is_deck(arguments.run.case_file)) return modes_of_deck(arguments);
   if (arguments.json) arguments.run.told = command::Told::json;
   if (arguments.quiet) arguments.run.told = command::Told::verdict;
@@ -328,7 +330,7 @@ void add_verbs(CLI::App& app, Arguments& arguments) {
   }
   app.get_subcommand("correlate")
       ->get_option("case")
-      ->description("case file (YAML) with `update`, or modes alone: modes.json, a universal file");
+      ->description("case file (YAML) with `update`, or modes alone: modes.json, a universal or MATLAB file");
   auto* modes = app.get_subcommand("modes");
   add_units(*modes, arguments);
   modes->add_option("--modes", arguments.deck.count, "how many modes of a deck; default: 20")

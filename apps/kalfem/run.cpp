@@ -119,7 +119,8 @@ public:
     if (arguments_.told == Told::json)
       print_text(set.summary);
     else
-      print_verdict(has_verdict(results_) ? std::optional(results_.verdict.state()) : std::nullopt);
+      print_verdict(has_verdict(results_) ? std::optional(results_.verdict.state()) : std::nullopt,
+                    why_no_verdict(results_));
     print_reasons(results_);
     require_output();
     if (results_.interrupted) {

@@ -90,22 +90,6 @@ py::dict measured(const py::dict& set, const std::string& substructure,
   return all;
 }
 
-const char* word_of(MistakeKind kind) {
-  switch (kind) {
-    case MistakeKind::turned:
-      return "turned";
-    case MistakeKind::swapped:
-      return "swapped";
-    case MistakeKind::direction:
-      return "direction";
-    case MistakeKind::rotated:
-      return "rotated";
-    case MistakeKind::node:
-      break;
-  }
-  return "node";
-}
-
 py::dict correlated(const Structure& given, const py::dict& modes) {
   Structure structure = given;
   const auto found = correlate(structure, measured_modes_of(structure, modes));
@@ -123,7 +107,7 @@ py::dict correlated(const Structure& given, const py::dict& modes) {
   for (const auto& sensor : found.sensors) comac[py::str(sensor.name)] = sensor.comac;
   for (const auto& mistake : found.mistakes) {
     py::dict entry;
-    entry["kind"] = word_of(mistake.kind);
+    entry["kind"] = std::string(word_of(mistake.kind));
     entry["sensors"] = mistake.sensors;
     entry["place"] = mistake.place;
     entry["text"] = mistake.in_words();

@@ -30,8 +30,8 @@ class CorrelatedMode:
 class SetupMistake:
     """What is wrong with a sensor of the test."""
 
-    kind: str  #: turned, swapped, direction (another axis), rotated (three of a node together) or node (elsewhere)
-    sensors: list[str]  #: the sensor; of swapped ones both, of rotated ones the three
+    kind: str  #: turned, swapped, direction (another axis), rotated (those of a node together) or node (elsewhere)
+    sensors: list[str]  #: the sensor; of swapped ones both, of rotated ones all of the node
     place: str  #: where the model has what it measured; of rotated ones the rotation
     text: str  #: in words
     mac_before: float  #: mean over the pairs

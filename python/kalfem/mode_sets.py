@@ -89,9 +89,10 @@ class ModeSet:
 
 
 def read_modes(file: str | Path | os.PathLike) -> ModeSet:
-    """Modes of ``modes.json`` of ``kalfem modal``, or of a universal file (datasets 55 and 2414).
+    """Modes of ``modes.json`` of ``kalfem modal``, of a universal file (datasets 55 and 2414), or of a MATLAB file.
 
-    A point of a universal file is a node with a direction, ``"12:+Z"``; a direction of a node that is zero in every mode
+    A MATLAB file has ``frequencies`` [Hz] and ``shapes`` (points x modes), and, where they are known, ``points`` (a cell
+    of names), ``frequency_std``, ``dampings``, ``damping_std`` and ``shape_std``. A point of a universal file is a node with a direction, ``"12:+Z"``; a direction of a node that is zero in every mode
     is no point.
 
     Raises

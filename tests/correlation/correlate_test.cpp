@@ -5,8 +5,9 @@
 
 #include <cmath>
 
-#include "correlation/mast.hpp"
+#include "correlation/tested_structures.hpp"
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/linalg/lowest_modes.hpp"
 
 namespace kalfem {
 namespace {
@@ -18,7 +19,7 @@ using Eigen::MatrixXd;
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 struct Given {
-  LinearModel model = model_of(mast(3));
+  LinearModel model = mast(3).model();
   NormalModes modes = lowest_normal_modes(model, {.count = 6});
   std::vector<DofCombination> points;
   std::vector<ShapeSensor> sensors;

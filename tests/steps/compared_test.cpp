@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <fstream>
 #include <string>
 
+#include "base/scratch_folder.hpp"
 #include "casefile/case_run.hpp"
 #include "kalfem/report/result_set.hpp"
 #include "kalfem/report/study_page.hpp"
@@ -61,6 +64,33 @@ TEST(Compared, ARunWithoutMeasurementsHasNoVerdict) {
 TEST(Compared, AnEstimationAndAnUpdatingHaveOne) {
   EXPECT_TRUE(state_after(one_mass, "estimate").is_string());
   EXPECT_EQ(state_after(updated_chain, "update"), "consistent");
+}
+
+/// Exact shapes of the chain of equal springs, sin(i angle), at a sensor of which the sign is wrong.
+TEST(Compared, AMistakeOfAModalTestIsInVerdictAndSummary) {
+  const ScratchFolder folder("correlate");
+  const auto correlated = [&](double sign) {
+    std::ofstream file(folder.path() / "shapes.csv");
+    for (int floor = 1; floor <= 3; ++floor)
+      for (int mode = 0; mode < 3; ++mode)
+        file << (floor == 2 ? sign : 1.0) * std::sin(floor * (2 * mode + 1) * M_PI / 7.0) << (mode < 2 ? "," : "\n");
+    file.close();
+    std::string text = test::changed(
+        updated_chain, "deviation: 0.1 %",
+        "minimum_mac: 0, shapes: {file: " + (folder.path() / "shapes.csv").string() + ", points: [1, 2, 3]}");
+    for (const char* stiffness : {"1.3 kN/m", "0.8 kN/m", "1.1 kN/m"}) text = test::changed(text, stiffness, "1 kN/m");
+    const auto study = test::study_of(text);
+    return summarise(study, run_study(study, "correlate", {}));
+  };
+  const auto right = correlated(1.0), wrong = correlated(-1.0);
+  EXPECT_TRUE(right["verdict"]["state"].is_null());
+  EXPECT_TRUE(right["correlation"]["comparisons"]["modes"]["mistakes"].empty());
+  EXPECT_NEAR(right["correlation"]["comparisons"]["modes"]["modes"][2]["mac"].get<double>(), 1.0, 1e-9);
+  EXPECT_EQ(wrong["verdict"]["state"], "suspicious");
+  EXPECT_EQ(wrong["verdict"]["reasons"][0]["code"], "setup_mistake");
+  const auto& mistake = wrong["correlation"]["comparisons"]["modes"]["mistakes"][0];
+  EXPECT_EQ(mistake["kind"], "turned");
+  EXPECT_EQ(mistake["sensors"][0], "2");
 }
 
 TEST(Compared, AFailedRunIsUnusableWhateverItDid) {

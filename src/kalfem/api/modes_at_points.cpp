@@ -44,7 +44,13 @@ void add_shapes(const MeasuredModes& given, const LinearModel& model, std::vecto
   if (!given.shape_covariances.empty() && given.shape_covariances.size() != modes.size())
     throw InvalidInput("shape_covariances: there are " + std::to_string(given.shape_covariances.size()),
                        "each frequency has one", "");
-  for (const auto& point : given.points) points.push_back(combination_of(model, point_in(given.substructure, point)));
+  IssueList issues;
+  for (const auto& point : given.points) try {
+      points.push_back(combination_of(model, point_in(given.substructure, point)));
+    } catch (const InvalidInput& error) {
+      issues.add(error, {});
+    }
+  issues.raise();
   for (std::size_t i = 0; i < modes.size(); ++i) {
     if (given.shapes.col(static_cast<Index>(i)).array().isNaN().all()) continue;  // its frequency alone was measured
     modes[i].shape = given.shapes.col(static_cast<Index>(i));

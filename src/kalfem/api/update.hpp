@@ -42,10 +42,10 @@ struct MeasuredModes {
   double above = 0.0;                     ///< modes up to this frequency are not elastic ones [Hz]
   std::vector<std::string> points = {};   ///< of the shapes: "frame.tip.z"
   std::vector<std::string> sensors = {};  ///< their names, one a point; empty: those of the points
-  Eigen::MatrixXd shapes = {};  ///< points x frequencies, each in any scale and sign; not a number: not measured;
-                                ///< empty: none
-  double shape_std = 0.05;                              ///< of a shape's entries, relative to its largest
-  Eigen::MatrixXd shape_stds = {};                      ///< of each entry, in the shapes' unit, instead; empty: none
+  Eigen::MatrixXd shapes = {};      ///< points x frequencies, each in any scale and sign; not a number: not measured;
+                                    ///< empty: none
+  double shape_std = 0.05;          ///< of a shape's entries, relative to its largest
+  Eigen::MatrixXd shape_stds = {};  ///< of each entry, in the shapes' unit, instead; empty: none
   std::vector<Eigen::MatrixXd> shape_covariances = {};  ///< one a frequency, points x points, instead; empty: none
   std::vector<double> dampings = {};                    ///< ratios to critical, one a frequency; empty: not compared
   std::vector<double> damping_stds = {};                ///< their standard deviations

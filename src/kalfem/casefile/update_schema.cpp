@@ -68,8 +68,10 @@ Fields<ListedModes> listed_modes() {
 
 Fields<ModeFile> mode_file() {
   return Fields<ModeFile>()
-      .required("file", &ModeFile::file, located(path()),
-                "modes.json of `kalfem modal`, or a universal file (datasets 55, 2414): frequencies, dampings, shapes")
+      .required(
+          "file", &ModeFile::file, located(path()),
+          "modes.json of `kalfem modal`, a universal file (datasets 55, 2414) or a MATLAB file (frequencies, shapes, "
+          "points, ...): frequencies, dampings, shapes")
       .optional("points", &ModeFile::points, named(located(text()), NameRule::dotted),
                 "points of the substructure, each with the file's name of it: a channel, or node and direction like "
                 "12:+Z (12:-Z, -a3: against it); default: those that have the same name, or node.x, node.y ... of it")

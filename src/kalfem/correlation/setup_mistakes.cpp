@@ -2,10 +2,12 @@
 #include "kalfem/correlation/setup_mistakes.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
 
@@ -63,7 +65,7 @@ public:
   /// The mistake with the most evidence.
   Trial best() const {
     Trial found;
-    for (const auto& [kind, cost] : {turned(), swapped(), direction(), rotated(), node()}) {
+    for (const auto& [kind, cost] : {turned(), swapped(), direction(), rotated(2), rotated(3), node()}) {
       if (kind.tried == 0) continue;
       Trial trial = kind.best;
       trial.mistake.evidence = 0.5 * static_cast<double>(fit_.entries()) * std::log(fit_.misfit() / trial.misfit) -
@@ -127,48 +129,61 @@ private:
     return {kind, 0.0};
   }
 
-  /// Sensors along x, y and z of one node.
-  [[nodiscard]] std::vector<Rows> triaxial() const {
+  /// Sensors of one node along so many of the axes x, y and z, no more and no fewer.
+  [[nodiscard]] std::vector<Rows> together(Index axes) const {
     std::map<std::string, std::map<std::string, Index>> nodes;
-    for (Index i = 0; i < fit_.sensors(); ++i) nodes[at(i).node][at(i).direction] = i;
+    for (Index i = 0; i < fit_.sensors(); ++i)
+      if (at(i).direction == "x" || at(i).direction == "y" || at(i).direction == "z")
+        nodes[at(i).node][at(i).direction] = i;
     std::vector<Rows> all;
-    for (const auto& [node, axes] : nodes)
-      if (axes.contains("x") && axes.contains("y") && axes.contains("z"))
-        all.push_back({axes.at("x"), axes.at("y"), axes.at("z")});
+    for (const auto& [node, sensors] : nodes) {
+      if (std::ssize(sensors) != axes) continue;
+      all.emplace_back();
+      for (const auto& [direction, sensor] : sensors) all.back().push_back(sensor);
+    }
     return all;
   }
 
   /// The rotation R that brings c a of the node nearest to what its sensors measured: with the singular value
-  /// decomposition U S V^T of sum f (c a)^T, R = U diag(1, 1, det(U V^T)) V^T.
-  [[nodiscard]] Matrix3d rotation_of(const Rows& rows) const {
+  /// decomposition U S V^T of sum f (c a)^T, R = U diag(1, ..., det(U V^T)) V^T.
+  [[nodiscard]] MatrixXd rotation_of(const Rows& rows) const {
     const Eigen::VectorXd scales = fit_.scales_without(rows);
-    Matrix3d sum = Matrix3d::Zero();
+    const auto size = std::ssize(rows);
+    MatrixXd sum = MatrixXd::Zero(size, size);
     for (Index pair = 0; pair < fit_.pairs(); ++pair)
-      for (Index i = 0; i < 3; ++i)
-        for (Index j = 0; j < 3; ++j)
+      for (Index i = 0; i < size; ++i)
+        for (Index j = 0; j < size; ++j)
           sum(i, j) += fit_.measured(rows[static_cast<std::size_t>(i)], pair) * scales[pair] *
                        fit_.model()(rows[static_cast<std::size_t>(j)], pair);
-    const Eigen::JacobiSVD<Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    Eigen::Vector3d signs = Eigen::Vector3d::Ones();
-    signs[2] = (svd.matrixU() * svd.matrixV().transpose()).determinant();
+    const Eigen::JacobiSVD<MatrixXd> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::VectorXd signs = Eigen::VectorXd::Ones(size);
+    signs[size - 1] = (svd.matrixU() * svd.matrixV().transpose()).determinant();
     return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
   }
 
-  [[nodiscard]] Kind rotated() const {
+  /// From the axes of the model to those of the sensors.
+  static std::string rotation_in_words(const MatrixXd& R) {
+    constexpr double degrees = 180.0 / std::numbers::pi;
+    if (R.rows() == 2)
+      return fmt::format("{:.0f} degrees in their plane", degrees * std::abs(std::atan2(R(0, 1), R(0, 0))));
+    const Eigen::AngleAxisd turn(Matrix3d(R.transpose()));
+    const Eigen::Vector3d axis = turn.axis();
+    return fmt::format("{:.0f} degrees about ({:.2f}, {:.2f}, {:.2f})", degrees * turn.angle(), axis.x(), axis.y(),
+                       axis.z());
+  }
+
+  [[nodiscard]] Kind rotated(Index axes) const {
     BestOfKind kind;
-    for (const Rows& rows : triaxial()) {
-      const Matrix3d R = rotation_of(rows);
+    for (const Rows& rows : together(axes)) {
+      const MatrixXd R = rotation_of(rows);
       kind.take(fit_, rows, R * fit_.model()(rows, Eigen::all), [&] {
-        const Eigen::AngleAxisd turn(R.transpose());  // from the axes of the model to those of the sensors
-        const Eigen::Vector3d axis = turn.axis();
-        return SetupMistake{
-            .kind = MistakeKind::rotated,
-            .sensors = {name(rows[0]), name(rows[1]), name(rows[2])},
-            .place = fmt::format("{:.0f} degrees about ({:.2f}, {:.2f}, {:.2f})",
-                                 turn.angle() * 180.0 / std::numbers::pi, axis.x(), axis.y(), axis.z())};
+        SetupMistake mistake{.kind = MistakeKind::rotated, .place = rotation_in_words(R)};
+        for (const Index row : rows) mistake.sensors.push_back(name(row));
+        return mistake;
       });
     }
-    return {kind, 1.5 * std::log(3.0 * static_cast<double>(fit_.pairs()))};
+    const double angles = 0.5 * static_cast<double>(axes * (axes - 1));
+    return {kind, 0.5 * angles * std::log(static_cast<double>(axes * fit_.pairs()))};
   }
 
   const ShapeFit& fit_;
@@ -180,6 +195,22 @@ private:
 
 }  // namespace
 
+std::string_view word_of(MistakeKind kind) {
+  switch (kind) {
+    case MistakeKind::turned:
+      return "turned";
+    case MistakeKind::swapped:
+      return "swapped";
+    case MistakeKind::direction:
+      return "direction";
+    case MistakeKind::rotated:
+      return "rotated";
+    case MistakeKind::node:
+      break;
+  }
+  return "node";
+}
+
 std::string SetupMistake::in_words() const {
   const std::string first = sensors.empty() ? "" : sensors.front();
   switch (kind) {
@@ -190,8 +221,8 @@ std::string SetupMistake::in_words() const {
     case MistakeKind::direction:
       return first + " looks along another axis: it measures " + place;
     case MistakeKind::rotated:
-      return fmt::format("{}, {} and {} are rotated together, by {}", sensors.at(0), sensors.at(1), sensors.at(2),
-                         place);
+      return fmt::format("{} and {} are rotated together, by {}",
+                         fmt::join(sensors.begin(), std::prev(sensors.end()), ", "), sensors.back(), place);
     case MistakeKind::node:
       break;
   }

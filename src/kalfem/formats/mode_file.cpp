@@ -9,6 +9,7 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/regular_file.hpp"
+#include "kalfem/formats/matlab/matlab_modes.hpp"
 #include "kalfem/formats/measured_file_reader.hpp"
 
 namespace kalfem {
@@ -62,8 +63,9 @@ ModeSet modes_of_json(const std::filesystem::path& file) {
     for (const auto& mode : given.at("modes")) set.modes.push_back(mode_of(mode, set.points));
     return set;
   } catch (const Json::exception& error) {
-    throw InvalidInput(file.string() + " is not modes.json of `kalfem modal`", error.what(),
-                       "write it with kalfem modal RECORD --out FOLDER, or give a universal file");
+    const std::string words = error.what();  // "[json.exception.parse_error.101] parse error at line 2, column 1: ..."
+    throw InvalidInput(file.string() + " is not modes.json of `kalfem modal`", words.substr(words.find("] ") + 2),
+                       "write it with kalfem modal RECORD --out FOLDER, or give a universal or MATLAB file");
   }
 }
 
@@ -111,8 +113,9 @@ ModeSet modes_of_shapes(const MeasuredFile& file, const std::string& source) {
 }  // namespace
 
 ModeSet read_modes(const std::filesystem::path& file) {
-  ModeSet set =
-      file.extension() == ".json" ? modes_of_json(file) : modes_of_shapes(read_measured_file(file), file.string());
+  ModeSet set = file.extension() == ".json"  ? modes_of_json(file)
+                : file.extension() == ".mat" ? read_matlab_modes(file)
+                                             : modes_of_shapes(read_measured_file(file), file.string());
   if (set.modes.empty()) throw InvalidInput(file.string() + " holds no modes", "there is nothing to compare with", "");
   return set;
 }

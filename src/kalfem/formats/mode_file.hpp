@@ -7,8 +7,9 @@
 
 namespace kalfem {
 
-/// Modes of a file: `modes.json` of `kalfem modal`, with all that it knows of their errors, or a universal file
-/// (datasets 55 and 2414, with nodes of 15 or 2411; static shapes are left out).
+/// Modes of a file: `modes.json` of `kalfem modal`, with all that it knows of their errors, a MATLAB file (see
+/// read_matlab_modes()), or a universal file (datasets 55 and 2414, with nodes of 15 or 2411; static shapes are left
+/// out).
 ///
 /// A point of a universal file is a node with a direction, "12:+Z". As such files write zeros for what was not
 /// measured, a direction of a node that is exactly zero in every mode is no point; one without a value in one mode (the

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kalfem/steps/compared.hpp"
 
+#include "kalfem/steps/correlation/outcome.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
 #include "kalfem/steps/inference/outcome.hpp"
 #include "kalfem/steps/updating/outcome.hpp"
@@ -11,6 +12,11 @@ namespace kalfem {
 bool has_verdict(const StudyResults& results) {
   return results.has<EstimationOutcome>() || results.has<UpdatingOutcome>() || results.has<ValidationOutcome>() ||
          results.has<InferenceOutcome>() || !results.complete() || !results.verdict.reasons().empty();
+}
+
+std::string why_no_verdict(const StudyResults& results) {
+  return results.has<CorrelationOutcome>() ? "modes were paired, but nothing was updated"
+                                           : "nothing was compared with measurements";
 }
 
 }  // namespace kalfem

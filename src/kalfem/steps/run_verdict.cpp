@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kalfem/steps/judge.hpp"
 
+#include <limits>
+
 #include "kalfem/diagnosis/diagnose.hpp"
 #include "kalfem/diagnosis/judge_estimation.hpp"
 #include "kalfem/diagnosis/judge_updating.hpp"
 #include "kalfem/diagnosis/judge_validation.hpp"
+#include "kalfem/steps/correlation/outcome.hpp"
+#include "kalfem/steps/correlation/report.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
 #include "kalfem/steps/study_results.hpp"
 #include "kalfem/steps/updating/outcome.hpp"
@@ -27,6 +31,17 @@ std::vector<Reason> reasons_of(const std::vector<UpdatingParameter>& parameters,
   return updating_reasons(end);
 }
 
+/// Mistakes of a modal test's set-up stand before the misfit that follows from them.
+std::vector<Reason> reasons_of(const CorrelationOutcome& outcome) {
+  std::vector<Reason> reasons;
+  for (const auto& each : outcome.comparisons)
+    for (const auto& mistake : each.correlation.mistakes)
+      reasons.push_back({"setup_mistake", each.name, words_of(mistake),
+                         "look at the set-up, then correct `points` of the comparison", VerdictState::suspicious,
+                         std::numeric_limits<double>::infinity()});
+  return reasons;
+}
+
 /// Of every step that ran. A step that failed is the reason, and what it left is not judged: it would only say again
 /// that there is nothing.
 Verdict verdict_of_steps(const Study& study, const StudyResults& results) {
@@ -39,6 +54,7 @@ Verdict verdict_of_steps(const Study& study, const StudyResults& results) {
   }
   if (const auto* updating = results.find<UpdatingOutcome>())
     verdict.add(reasons_of(study.updating->parameters, *updating));
+  if (const auto* correlation = results.find<CorrelationOutcome>()) verdict.add(reasons_of(*correlation));
   if (estimation) verdict.add(verdict_of(*estimation).reasons());
   return verdict;
 }

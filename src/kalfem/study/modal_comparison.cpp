@@ -126,11 +126,22 @@ Eigen::MatrixXd shape_table(const std::filesystem::path& file, Index rows, Index
   return table.values;
 }
 
+/// Throws with every point that the model does not have.
+std::vector<DofCombination> points_of(const LinearModel& model, const std::vector<Name>& names) {
+  std::vector<DofCombination> points;
+  IssueList issues;
+  for (const auto& name : names) try {
+      points.push_back(point_of(model, name));
+    } catch (const InvalidInput& error) {
+      issues.add(error, name.location);
+    }
+  issues.raise();
+  return points;
+}
+
 void add_shapes(const d::ShapeTable& given, const LinearModel& model, ModalMeasurement& measured) {
-  for (const auto& point : given.points) {
-    measured.points.push_back(point_of(model, point));
-    measured.places.push_back(point.value);
-  }
+  for (const auto& point : given.points) measured.places.push_back(point.value);
+  measured.points = points_of(model, given.points);
   measured.sensors = measured.places;
   const auto rows = std::ssize(measured.points), columns = std::ssize(measured.modes);
   const Eigen::MatrixXd shapes = shape_table(given.file, rows, columns);
@@ -180,19 +191,27 @@ std::optional<std::string> same_point(const LinearModel& model, const ModeSet& s
   return std::nullopt;
 }
 
+/// "point 'a1'", "points 'a1', 'a2', 'a3' and 5 more".
+std::string counted_names(const std::vector<std::string>& points) {
+  constexpr std::size_t most = 3;
+  std::string words = points.size() == 1 ? "point " : "points ";
+  for (std::size_t i = 0; i < std::min(points.size(), most); ++i) words += (i > 0 ? ", '" : "'") + points[i] + "'";
+  return points.size() > most ? words + " and " + std::to_string(points.size() - most) + " more" : words;
+}
+
 /// The model's points and the file's names of them.
 Named<Located<std::string>> points_of_file(const d::ModeFile& given, const LinearModel& model, const ModeSet& set) {
   if (!given.points.empty()) return given.points;
   Named<Located<std::string>> points;
-  std::string unknown;
+  std::vector<std::string> unknown;
   for (std::size_t i = 0; i < set.points.size(); ++i)
     if (const auto name = same_point(model, set, i))
       points.emplace_back(*name, Located<std::string>{set.points[i], given.file.location, given.file.path});
-    else if (unknown.empty())
-      unknown = set.points[i];
+    else
+      unknown.push_back(set.points[i]);
   if (!unknown.empty())
     throw InvalidInput(
-        given.file.issue("its point '" + unknown + "' has no namesake in the substructure",
+        given.file.issue("the substructure has no namesake of its " + counted_names(unknown),
                          "each entry of a shape is compared at a point",
                          "list under `points` those that are compared, each with the file's name of it"));
   return points;
@@ -201,11 +220,13 @@ Named<Located<std::string>> points_of_file(const d::ModeFile& given, const Linea
 ModalMeasurement measurement_of(const d::ModeFile& given, const d::ModalData& data, const LinearModel& model) {
   const ModeSet set = chosen_modes(given);
   ModalMeasurement measured;
+  std::vector<Name> points;
   for (const auto& [point, name] : points_of_file(given, model, set)) {
-    measured.points.push_back(point_of(model, Name{point, name.location, name.path}));
+    points.push_back({point, name.location, name.path});
     measured.places.push_back(point);
     measured.sensors.push_back(name.value);
   }
+  measured.points = points_of(model, points);
   measured.modes = modes_of_set(
       at_points(set, measured.sensors),
       {.shape_deviation = given.shape_deviation, .dampings = given.dampings, .max_complexity = given.max_complexity});

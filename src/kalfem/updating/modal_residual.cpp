@@ -168,11 +168,13 @@ void add_unpaired(std::size_t i, const MeasuredMode& mode, const VectorXd& mac, 
     return "model mode " + std::to_string(j + 1) + " (" + number(frequencies[j]) + " Hz) with a MAC of " +
            number(mac[j]);
   };
-  issues.add({}, fact,
-             "the nearest in frequency is " + model_mode(nearest) + ", the nearest in shape is " + model_mode(best) +
-                 (mac[best] < options.pairing.least_mac ? "; a pair needs a MAC of " + number(options.pairing.least_mac)
-                                                        : "; that mode agrees better with another measured mode"),
-             "check positions, directions and signs of the measured points, state its model mode, or remove it");
+  issues.add(
+      {}, fact,
+      "the nearest in frequency is " + model_mode(nearest) + ", the nearest in shape is " + model_mode(best) +
+          (mac[best] < options.pairing.least_mac ? "; a pair needs a MAC of " + number(options.pairing.least_mac)
+                                                 : "; that mode agrees better with another measured mode"),
+      "`kalfem correlate` looks for wrong sensors; check positions, directions and signs of the points, state its "
+      "model mode, or remove it");
 }
 
 /// Of the damping by modal ratios; the last one holds for all further modes.

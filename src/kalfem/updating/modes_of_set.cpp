@@ -36,8 +36,8 @@ void take_shape(const ModeSet::Mode& mode, const ModeSetOptions& options, const 
   const auto real = real_shape(mode.shape, mode.shape_covariance);
   if (real.complexity > options.max_complexity)
     issues.add(
-        {}, fmt::format("the shape of {} is complex: {:.0f} % of it are out of phase", name, 100 * real.complexity),
-        fmt::format("a shape of the model is real; at most {:.0f} % are turned away", 100 * options.max_complexity),
+        {}, fmt::format("the shape of {} is complex: {:.2g} % of it are out of phase", name, 100 * real.complexity),
+        fmt::format("a shape of the model is real; at most {:.2g} % are turned away", 100 * options.max_complexity),
         "look for close modes, a wandering clock or local damping; compare its frequency alone, or allow more "
         "(max_complexity)");
   if (!(real.values.array().isFinite() && real.values.array() != 0.0).any()) return;

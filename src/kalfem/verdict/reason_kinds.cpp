@@ -101,6 +101,11 @@ std::span<const ReasonKind> reason_kinds() {
       {{"residual_small"}, "the same, smaller"},
       {{"not_converged", "poor_pairs"},
        "an updating did not end at a minimum; no mode of the model agrees with a measured one"},
+      {{"setup_mistake"},
+       "sensors of a modal test measure something else than the case says: turned, exchanged, rotated, along another "
+       "axis or at another point ([modes of a record](modal.md#beside-the-model))",
+       Gravity::suspicious,
+       false},
       {{"unphysical_sign"}, "an updated stiffness, mass or modulus is negative", Gravity::unusable},
       {{"validation_failed"}, "the estimates cannot be simulated over the data that were held back"},
       {{"input_not_identified", "input_drifts"},

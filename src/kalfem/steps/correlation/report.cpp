@@ -17,24 +17,9 @@ using Eigen::Index;
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t most_sensors = 6;  ///< on a terminal
+constexpr double low_comac = 0.95;       ///< below it a sensor is shown there
 
 std::string signed_per_cent(double ratio) { return fmt::format("{:+.2f} %", 100.0 * ratio); }
-
-const char* key_of(MistakeKind kind) {
-  switch (kind) {
-    case MistakeKind::turned:
-      return "turned";
-    case MistakeKind::swapped:
-      return "swapped";
-    case MistakeKind::direction:
-      return "direction";
-    case MistakeKind::rotated:
-      return "rotated";
-    case MistakeKind::node:
-      break;
-  }
-  return "node";
-}
 
 Json rows_of(const Eigen::MatrixXd& matrix) {
   Json rows = Json::array();
@@ -54,7 +39,7 @@ Json json_of(const Correlation& correlation) {
   for (const auto& sensor : correlation.sensors)
     sensors[sensor.name] = {{"place", sensor.place}, {"comac", number(sensor.comac)}};
   for (const auto& mistake : correlation.mistakes)
-    mistakes.push_back({{"kind", key_of(mistake.kind)},
+    mistakes.push_back({{"kind", word_of(mistake.kind)},
                         {"sensors", mistake.sensors},
                         {"measures", mistake.place},
                         {"text", mistake.in_words()},
@@ -125,10 +110,12 @@ Json correlation_summary(const CorrelationOutcome& outcome) {
 std::string console_correlation(const CorrelationOutcome& outcome) {
   std::string text;
   for (const auto& each : outcome.comparisons) {
+    const bool stands_out =
+        std::ranges::any_of(each.correlation.sensors, [](const auto& sensor) { return sensor.comac < low_comac; });
+    if (outcome.updated && !stands_out && each.correlation.mistakes.empty()) continue;  // the update shows its modes
     text += "Correlation of " + heading(each, outcome.updated) + "\n";
     if (!outcome.updated) text += to_text(correlated_mode_table(each.correlation)) + "\n";
-    if (const auto sensors = correlated_sensor_table(each.correlation, most_sensors); !sensors.rows.empty())
-      text += to_text(sensors) + "\n";
+    if (stands_out) text += to_text(correlated_sensor_table(each.correlation, most_sensors)) + "\n";
     for (const auto& mistake : each.correlation.mistakes) text += "  " + words_of(mistake) + "\n";
     if (!each.correlation.mistakes.empty()) text += "\n";
   }

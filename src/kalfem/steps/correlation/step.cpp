@@ -26,7 +26,7 @@ Correlation correlation_of(const Study& study, const d::ModalData& given, const 
   for (std::size_t i = 0; i < measured.sensors.size(); ++i)
     sensors.push_back({measured.sensors[i], measured.places[i]});
   CorrelationOptions options{.above = given.above};
-  options.pairing.least_mac = given.minimum_mac;
+  if (given.minimum_mac > 0.0) options.pairing.least_mac = given.minimum_mac;  // 0: any agreement is enough to start
   return correlate(measured.modes, measured.points, sensors, model, options);
 }
 
@@ -40,9 +40,6 @@ void run_correlation(RunContext& context) {
   for (const auto& [name, comparison] : study.description->update->comparisons)
     if (const auto* given = with_shapes(comparison))
       outcome.comparisons.push_back({name, given->substructure.value, correlation_of(study, *given, values)});
-  for (const auto& each : outcome.comparisons)
-    for (const auto& mistake : each.correlation.mistakes)
-      context.results.warnings.push_back("set-up of '" + each.name + "': " + words_of(mistake));
   outcome.seconds = watch.seconds();
   context.results.put(std::move(outcome));
 }
