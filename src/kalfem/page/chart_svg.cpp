@@ -11,6 +11,7 @@
 
 #include "kalfem/base/text.hpp"
 #include "kalfem/page/page.hpp"
+#include "kalfem/page/typeset.hpp"
 
 namespace kalfem {
 namespace {
@@ -194,7 +195,7 @@ private:
     const double begin = left(), line = font + 0.75 * margin;
     double x = begin, y = margin + 0.5 * font;
     for (std::size_t i = 0; i < chart_.series.size(); ++i) {
-      const auto& label = chart_.series[i].label;
+      const auto label = typeset(chart_.series[i].label);
       const double needed = swatch + margin + glyph * static_cast<double>(letters(label)) + 3.0 * margin;
       if (x > begin && x + needed > width_ - margin) x = begin, y += line;
       if (!chart_.series[i].lower.empty())
@@ -234,10 +235,10 @@ private:
                             x_.from - tick_length - 0.5 * margin, y_.at(tick) + 0.35 * font, y_.label(tick));
     }
     labels += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" text-anchor=\"middle\">{}</text>\n", 0.5 * (x_.from + x_.to),
-                          height_ - margin, escaped(with_power(chart_.x_label, x_.exponent)));
-    labels +=
-        fmt::format("<text transform=\"translate({:.2f} {:.2f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
-                    margin + 0.7 * font, 0.5 * (y_.from + y_.to), escaped(with_power(chart_.y_label, y_.exponent)));
+                          height_ - margin, escaped(with_power(typeset(chart_.x_label), x_.exponent)));
+    labels += fmt::format("<text transform=\"translate({:.2f} {:.2f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
+                          margin + 0.7 * font, 0.5 * (y_.from + y_.to),
+                          escaped(with_power(typeset(chart_.y_label), y_.exponent)));
     return "<path d=\"" + lines + "\" stroke=\"#1b2129\" stroke-width=\"0.6\" fill=\"none\"/>\n" + labels;
   }
 

@@ -5,11 +5,13 @@
 #include <cctype>
 #include <cmath>
 #include <set>
+#include <span>
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/text.hpp"
 #include "kalfem/base/version.hpp"
 #include "kalfem/page/embedded_assets.hpp"
+#include "kalfem/page/typeset.hpp"
 
 namespace kalfem {
 namespace {
@@ -66,7 +68,7 @@ private:
     const bool no_band = series.lower.empty() && series.upper.empty();
     require(no_band || (series.lower.size() == series.y.size() && series.upper.size() == series.y.size()),
             name + "a band whose length differs from the curve's", "lower and upper need one value per y");
-    require(no_band || !chart.scatter, name + "a band on a scatter chart", "a path cannot have a band");
+    require(!series.points || chart.scatter, name + "points over a common abscissa", "only a scatter chart has clouds");
   }
 
   void check(const Table& table) {
@@ -128,9 +130,19 @@ std::string element(const std::string& tag, const std::string& attributes, const
   return "<" + tag + (attributes.empty() ? "" : " " + attributes) + ">" + content + "</" + tag + ">\n";
 }
 
-/// An element of escaped text, nothing for no text.
+/// A text as it is read.
+std::string shown(const std::string& text) { return escaped(typeset(text)); }
+
+/// An element of such text, nothing for no text.
 std::string text_element(const std::string& tag, const std::string& attributes, const std::string& text) {
-  return text.empty() ? "" : element(tag, attributes, escaped(text));
+  return text.empty() ? "" : element(tag, attributes, shown(text));
+}
+
+/// Takes a text to the clipboard; without scripts it is not there.
+std::string copy_button(const std::string& words, const std::string& text) {
+  return text.empty()
+             ? ""
+             : element("button", "type=\"button\" class=\"copy\" hidden data-copy=\"" + escaped(text) + "\"", words);
 }
 
 std::string paragraphs(const std::string& text) {
@@ -227,20 +239,30 @@ private:
     std::string entries;
     for (std::size_t s = 0; s < page.sections.size(); ++s) {
       const std::string link = "href=\"#section-" + std::to_string(s + 1) + "\"";
-      entries += element("li", "", element("a", link, escaped(page.sections[s].heading)));
+      entries += element("li", "", element("a", link, shown(page.sections[s].heading)));
     }
-    return element("nav", "aria-label=\"Contents\"", element("h2", "", "Contents") + element("ol", "", entries));
+    return element("nav", "aria-label=\"Contents\"",
+                   element("details", "", element("summary", "", "Contents") + element("ol", "", entries)));
   }
 
   std::string html(const Section& section) {
     const std::string id = "section-" + std::to_string(++sections_);
-    return element("section", "id=\"" + id + "\" aria-labelledby=\"" + id + "-heading\"",
-                   text_element("h2", "id=\"" + id + "-heading\"", section.heading) + paragraphs(section.text) +
-                       element("div", "class=\"items\"", items(section)));
+    return element(
+        "section", "id=\"" + id + "\" aria-labelledby=\"" + id + "-heading\"",
+        text_element("h2", "id=\"" + id + "-heading\"", section.heading) + paragraphs(section.text) + columns(section));
+  }
+
+  std::string columns(const Section& section) {
+    const auto first = section.items.begin(), last = section.items.end();
+    const auto middle = first + static_cast<std::ptrdiff_t>(std::min(section.aside, section.items.size()));
+    if (middle == first || middle == last) return element("div", "class=\"items\"", items({first, last}));
+    return element("div", "class=\"items abreast\"",
+                   element("div", "class=\"stack\"", items({first, middle})) +
+                       element("div", "class=\"stack\"", items({middle, last})));
   }
 
   /// The items in their order, with charts that fold together in an element that opens.
-  std::string items(const Section& section) {
+  std::string items(std::span<const decltype(Section::items)::value_type> shown_here) {
     std::string all, folded, fold;
     const auto close = [&] {
       if (!folded.empty())
@@ -248,7 +270,7 @@ private:
                        text_element("summary", "", fold) + element("div", "class=\"items\"", folded));
       folded.clear();
     };
-    for (const auto& item : section.items) {
+    for (const auto& item : shown_here) {
       const auto* chart = std::get_if<Chart>(&item);
       const std::string own = chart ? chart->fold : "";
       if (own != fold) close();
@@ -275,26 +297,31 @@ private:
   }
 
   static std::string html(const Listing& listing) {
-    return element("details", "class=\"full listing\"",
-                   text_element("summary", "", listing.title) + text_element("pre", "tabindex=\"0\"", listing.text));
+    const std::string text =
+        copy_button("Copy", listing.text) + element("pre", "tabindex=\"0\"", escaped(listing.text));
+    if (listing.folded)
+      return element("details", "class=\"full listing\"", text_element("summary", "", listing.title) + text);
+    return element("figure", "class=\"chart half listing\"",
+                   text_element("h3", "", listing.title) + text + text_element("figcaption", "", listing.caption));
   }
 
   static std::string html(const Table& table) {
     std::string head;
     for (std::size_t c = 0; c < table.columns.size(); ++c) {
       const std::string side = align_class(alignment(table, c));
-      head += element("th", "scope=\"col\" " + side, escaped(table.columns[c]));
+      head += element("th", "scope=\"col\" " + side, shown(table.columns[c]));
     }
-    if (!table.graphics.empty()) head += element("th", "scope=\"col\"", escaped(table.graphics_title));
+    if (!table.graphics.empty()) head += element("th", "scope=\"col\"", shown(table.graphics_title));
     std::string rows;
     for (std::size_t r = 0; r < table.rows.size(); ++r) rows += element("tr", "", cells(table, r));
-    const std::string size = table.half_width ? "table half" : "table";
-    return element("div",
-                   "class=\"" + size + "\" tabindex=\"0\" role=\"group\" aria-label=\"" + escaped(table.title) + "\"",
-                   element("table", "",
-                           text_element("caption", "", table.title) + element("thead", "", element("tr", "", head)) +
-                               element("tbody", "", rows)) +
-                       text_element("p", "class=\"note-below\"", table.caption));
+    const std::string size = std::string(table.half_width ? "table half" : "table") +
+                             (table.half_width && !table.graphics.empty() ? " stacks" : "");
+    return element(
+        "div", "class=\"" + size + "\" tabindex=\"0\" role=\"group\" aria-label=\"" + escaped(table.title) + "\"",
+        element("table", "",
+                text_element("caption", "", table.title) + element("thead", "", element("tr", "", head)) +
+                    element("tbody", "", rows)) +
+            copy_button("Copy numbers", table.copied) + text_element("p", "class=\"note-below\"", table.caption));
   }
 
   static std::string cells(const Table& table, std::size_t r) {
@@ -303,7 +330,9 @@ private:
     for (std::size_t c = 0; c < row.size(); ++c) {
       const bool prose = row[c].size() > longest_plain_cell;
       const std::string side = prose ? "class=\"prose\"" : align_class(alignment(table, c));
-      html += c == 0 ? element("th", "scope=\"row\" " + side, escaped(row[c])) : element("td", side, escaped(row[c]));
+      const std::string label = c > 1 && table.half_width ? " data-label=\"" + shown(table.columns[c]) + "\"" : "";
+      html +=
+          c == 0 ? element("th", "scope=\"row\" " + side, shown(row[c])) : element("td", side + label, shown(row[c]));
     }
     if (!table.graphics.empty()) html += element("td", "", table.graphics[r]);
     return html;

@@ -33,6 +33,7 @@ struct Series {
   std::vector<double> upper = {};
   Role role = Role::other;
   std::vector<double> x = {};  ///< only on a scatter chart: the abscissae of this curve
+  bool points = false;         ///< only on a scatter chart: a cloud of points in the place of a path
 };
 
 /// A range on an axis, low < high.
@@ -66,6 +67,7 @@ struct Table {
   std::string graphics_title = {};         ///< heading of that column
   std::string caption = {};
   bool half_width = false;
+  std::string copied = {};  ///< what a button takes to the clipboard: the numbers for a spreadsheet; empty: no button
 };
 
 /// A drawing of our own; it goes into the page as it is.
@@ -76,16 +78,19 @@ struct Picture {
   bool half_width = false;
 };
 
-/// A text as it stands, folded away behind its title.
+/// A text as it stands, with a button that copies it.
 struct Listing {
   std::string title = {};
   std::string text = {};
+  bool folded = true;        ///< away behind its title
+  std::string caption = {};  ///< of one that is not folded
 };
 
 struct Section {
   std::string heading = {};
   std::string text = {};  ///< plain text; an empty line starts a paragraph
   std::vector<std::variant<Chart, Table, Picture, Listing, Scene>> items = {};
+  std::size_t aside = 0;  ///< from this item on they stand in a second column on a wide screen; 0: none does
 };
 
 struct Page {

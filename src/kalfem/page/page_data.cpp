@@ -8,6 +8,8 @@
 #include <numeric>
 #include <span>
 
+#include "kalfem/page/typeset.hpp"
+
 namespace kalfem {
 namespace {
 
@@ -139,8 +141,9 @@ Rows rows_of(const Series& path) {
 }
 
 Json as_json(const Series& series, const Rows& rows, bool scatter) {
-  Json json{{"label", series.label}, {"role", name(series.role)}, {"y", picked(series.y, rows, y_digits)}};
+  Json json{{"label", typeset(series.label)}, {"role", name(series.role)}, {"y", picked(series.y, rows, y_digits)}};
   if (scatter) json["x"] = picked(series.x, rows, y_digits);
+  if (series.points) json["points"] = true;
   if (!series.lower.empty()) {
     json["lower"] = picked(series.lower, rows, y_digits);
     json["upper"] = picked(series.upper, rows, y_digits);
@@ -149,7 +152,7 @@ Json as_json(const Series& series, const Rows& rows, bool scatter) {
 }
 
 Json as_json(const Chart& chart) {
-  Json json{{"scatter", chart.scatter}, {"x_label", chart.x_label}, {"y_label", chart.y_label}};
+  Json json{{"scatter", chart.scatter}, {"x_label", typeset(chart.x_label)}, {"y_label", typeset(chart.y_label)}};
   if (chart.x_window) json["x_window"] = *chart.x_window;
   if (chart.y_window) json["y_window"] = *chart.y_window;
   const Rows rows = chart.scatter ? Rows{} : rows_of(chart);

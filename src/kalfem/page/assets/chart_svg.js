@@ -80,6 +80,7 @@ class ChartDrawing {
 
   curve(curve) {
     const x = curve.x ?? this.view.data.x, {from, to} = this.rows(x);
+    if (curve.points) return this.cloud(curve);
     let line = "", drawing = false;
     for (let k = from; k < to; ++k) {
       const there = x[k] != null && curve.y[k] != null;
@@ -89,10 +90,16 @@ class ChartDrawing {
     return line && `<path d="${line}" ${strokeOf(curve)}/>\n`;
   }
 
+  cloud({x, y, color}) {
+    const dots = x.map((value, k) => value == null || y[k] == null ? "" : `M${this.x(value)} ${this.y(y[k])}h0`).join("");
+    return `<path d="${dots}" stroke="${cssColor(color)}" stroke-opacity="${bandOpacity}" stroke-width="3.2" ` +
+           `stroke-linecap="round"/>\n`;
+  }
+
   // One area for each stretch without gaps: along the upper edge and back along the lower one.
-  band({lower, upper, color}) {
+  band({lower, upper, color, x = this.view.data.x}) {
     if (!lower) return "";
-    const {x} = this.view.data, {from, to} = this.rows(x);
+    const {from, to} = this.rows(x);
     let areas = "", ahead = [], back = [];
     const close = () => {
       if (ahead.length) areas += `M${ahead.join("L")}L${back.reverse().join("L")}Z`;

@@ -132,7 +132,7 @@ export class ChartView {
   closerView(x, y = this.view.y) { return {x, y, base: this.view.base, zoomed: true}; }
 
   everything(scale) {
-    const range = extent(scale === "x" && !this.data.scatter ? [this.data.x] : this.curves.map(curve => curve[scale]));
+    const range = extent(scale === "x" && !this.data.scatter ? [this.data.x] : this.curves.flatMap(curve => scale === "x" ? [curve.x] : [curve.y, curve.lower || [], curve.upper || []]));
     return scale === "x" && !this.data.scatter ? range || [0, 1] : padded(range || [0, 1]);
   }
 
@@ -185,7 +185,7 @@ export class ChartView {
   toggle(curve, key) {
     curve.show = !curve.show;
     key.setAttribute("aria-pressed", curve.show);
-    for (let i = 0; i < (curve.lower ? 3 : 1); ++i) this.plot.setSeries(curve.index + i, {show: curve.show});
+    for (let i = 0; i < (curve.lower && !this.data.scatter ? 3 : 1); ++i) this.plot.setSeries(curve.index + i, {show: curve.show});
   }
 
   readOut() { this.readout.show(this.plot, this.byKeyboard || this.figure.matches(":hover")); }

@@ -1,5 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The contents mark the section that is being read.
+// The contents mark the section that is being read; beside the page they stand open, above it they open when asked for.
+
+export function openContentsBeside() {
+  const beside = matchMedia("(min-width: 72rem)"), contents = document.querySelector("nav details");
+  if (!contents) return;
+  const follow = () => { contents.open = beside.matches; };
+  beside.addEventListener("change", follow);
+  follow();
+}
 
 export function markContents() {
   const links = new Map([...document.querySelectorAll("nav a")].map(link => [link.hash.slice(1), link]));

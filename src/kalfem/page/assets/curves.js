@@ -33,6 +33,9 @@ export const inLegendOrder = (curves, series) => series.map(source => curves.fin
 export function swatch(curve) {
   const band = curve.lower
       ? `<rect width="26" height="12" rx="2" fill="var(${curve.color})" opacity="${bandOpacity}"/>` : "";
+  if (curve.points)
+    return `<svg viewBox="0 0 26 12" aria-hidden="true" fill="var(${curve.color})">` +
+           [5, 13, 21].map((x, i) => `<circle cx="${x}" cy="${i % 2 ? 4 : 8}" r="2"/>`).join("") + "</svg>";
   return `<svg viewBox="0 0 26 12" aria-hidden="true">${band}<line x1="0" x2="26" y1="6" y2="6" ` +
          `stroke="var(${curve.color})" stroke-width="${curve.width + 0.5}" ` +
          `stroke-dasharray="${(curve.dash || []).join(" ")}"/></svg>`;

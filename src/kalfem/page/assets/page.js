@@ -6,10 +6,13 @@ import {ChartView, zoomHint} from "./chart_view.js";
 import {followLinksToMoments} from "./moments.js";
 import {whenUnfolded} from "./folds.js";
 import {make, prefersDark} from "./dom.js";
-import {markContents} from "./contents.js";
+import {markContents, openContentsBeside} from "./contents.js";
+import {offerCopies} from "./copy.js";
 import {count, countResources, startTally} from "./tally.js";
 
 startTally();
+openContentsBeside();
+offerCopies();
 const group = new ChartGroup();
 drawCharts();
 addZoomLine();
@@ -34,9 +37,10 @@ function drawChart(figure, data) {
   }
 }
 
-// Above the first charts: how to zoom, and the switch of the common zoom where there is anything in common.
+// Above the first charts below the overview: how to zoom, and the switch of the common zoom where there is anything in
+// common.
 function addZoomLine() {
-  const [first] = group.views;
+  const first = group.views.find(view => !view.figure.closest(".abreast")) || group.views[0];
   if (!first) return;
   const line = make("div", {class: "tools"}, make("p", {}, zoomHint));
   if (group.views.some(view => group.alike(view).length > 1)) {

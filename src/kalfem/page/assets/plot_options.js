@@ -25,7 +25,7 @@ export function plotSeries(data, curves) {
   for (const curve of curves) {
     curve.index = series.length;
     series.push(seriesOptions(curve, data.scatter));
-    if (!curve.lower) continue;
+    if (!curve.lower || data.scatter) continue;
     const edge = {show: curve.show, width: 0, stroke: "transparent", pxAlign: 0, points: {show: false}, isEdge: true};
     series.push(edge, {...edge});
     bands.push({series: [curve.index + 2, curve.index + 1], fill: translucent(cssColor(curve.color))});
@@ -33,14 +33,17 @@ export function plotSeries(data, curves) {
   return {series, bands};
 }
 
-const translucent = color => color + Math.round(255 * bandOpacity).toString(16);
+const translucent = (color, opacity = bandOpacity) => color + Math.round(255 * opacity).toString(16);
 
 function seriesOptions(curve, scatter) {
   const color = cssColor(curve.color);
   const common = {label: curve.label, show: curve.show, stroke: color, width: curve.width, dash: curve.dash,
                   pxAlign: 0, points: {show: false}};
   if (!scatter) return {...common, points: {size: 4, fill: color}, paths: curveWithBand};
-  return {...common, facets: [{scale: "x", auto: true}, {scale: "y", auto: true}], paths: path};
+  const facets = [{scale: "x", auto: true}, {scale: "y", auto: true}];
+  if (curve.points) return {...common, width: 0, fill: translucent(color, 0.5), facets, paths: cloud};
+  return {...common, fill: curve.lower ? translucent(color) : undefined, facets,
+          paths: (u, i) => ({...path(u, i), fill: curve.lower ? band(u, i, curve) : null})};
 }
 
 // Label of an axis with the power of ten that its numbers are divided by.
@@ -84,6 +87,33 @@ function path(u, i) {
     }
   });
   return {stroke, fill: null, clip: null, band: null, gaps: null, flags: 0};
+}
+
+// A dot at each point.
+function cloud(u, i) {
+  const fill = new Path2D(), radius = 2.4 * devicePixelRatio;
+  uPlot.orient(u, i, (series, xs, ys, scaleX, scaleY, toX, toY, left, top, width, height) => {
+    for (let k = 0; k < xs.length; ++k) {
+      if (xs[k] == null || ys[k] == null) continue;
+      const x = toX(xs[k], scaleX, width, left), y = toY(ys[k], scaleY, height, top);
+      fill.moveTo(x + radius, y);
+      fill.arc(x, y, radius, 0, 2 * Math.PI);
+    }
+  });
+  return {stroke: null, fill, clip: null, band: null, gaps: null, flags: 0};
+}
+
+// The area between the edges of a band over the points of a path.
+function band(u, i, {lower, upper}) {
+  const area = new Path2D();
+  uPlot.orient(u, i, (series, xs, ys, scaleX, scaleY, toX, toY, left, top, width, height) => {
+    const there = xs.map((x, k) => k).filter(k => lower[k] != null && upper[k] != null);
+    const edge = (k, values) => area.lineTo(toX(xs[k], scaleX, width, left), toY(values[k], scaleY, height, top));
+    there.forEach(k => edge(k, lower));
+    there.reverse().forEach(k => edge(k, upper));
+  });
+  area.closePath();
+  return area;
 }
 
 // uPlot's own line steps from pixel to pixel where points are dense; its areas do well.
