@@ -10,6 +10,7 @@
 #include "kalfem/report/study_page.hpp"
 #include "kalfem/steps/compared.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/estimation/sections.hpp"
 #include "kalfem/steps/identified_parameters.hpp"
 #include "kalfem/steps/modes/outcome.hpp"
 #include "kalfem/steps/table.hpp"
@@ -17,11 +18,18 @@
 namespace kalfem {
 namespace {
 
-/// What fits on the first screen: the parameters, and the structure with the names of everything.
+/// What fits on the first screen: the parameters, the law and the edit that the verdict asks for; beside them the law's
+/// force and the structure with the names of everything.
 Section overview_section(const Study& study, const StudyResults& results) {
   Section section{"Overview", "", {}};
   if (const auto found = identified_parameters(study, results); !found.empty())
     section.items.emplace_back(identified_parameter_table(found));
+  const auto* estimation = results.find<EstimationOutcome>();
+  LawOverview law = estimation ? law_overview(study, *estimation) : LawOverview{};
+  if (auto edit = asked_edit(results)) section.items.emplace_back(std::move(*edit));
+  if (law.equation) section.items.emplace_back(std::move(*law.equation));
+  if (law.force) section.aside = section.items.size();
+  if (law.force) section.items.emplace_back(std::move(*law.force));
   if (auto picture = structure_picture(study)) section.items.emplace_back(std::move(*picture));
   return section;
 }

@@ -178,6 +178,21 @@ std::string value_in_words(const IdentifiedParameter& parameter) {
   return shown.unit() == "-" || shown.unit().empty() ? text : text + " " + shown.unit();
 }
 
+namespace {
+
+/// For a spreadsheet: every digit, in SI, cells apart by tabs.
+std::string copied_numbers(const std::vector<IdentifiedParameter>& parameters) {
+  std::string text = "parameter\tvalue\tstd\tlower 95 %\tupper 95 %\tunit\n";
+  const auto cell = [](double value) { return std::isfinite(value) ? fmt::format("{:.10g}", value) : ""; };
+  for (const auto& each : parameters)
+    text += fmt::format("{}\t{}\t{}\t{}\t{}\t{}\n", each.name, cell(each.value), cell(each.deviation),
+                        each.interval ? cell(each.interval->lower) : "",
+                        each.interval ? cell(each.interval->upper) : "", each.unit);
+  return text;
+}
+
+}  // namespace
+
 Table identified_parameter_table(const std::vector<IdentifiedParameter>& parameters) {
   const bool with_truth = std::ranges::any_of(parameters, [](const auto& each) { return each.z().has_value(); });
   const bool with_prior = std::ranges::any_of(parameters, [](const auto& each) { return each.prior.has_value(); });
@@ -191,6 +206,7 @@ Table identified_parameter_table(const std::vector<IdentifiedParameter>& paramet
     if (with_truth) row.push_back(z_in_words(each));
     table.graphics.push_back(bar_svg(each));
   }
+  table.copied = copied_numbers(parameters);
   table.caption = "Bars: 95 % intervals.";
   if (with_truth) table.caption += " z: (value - truth) / standard deviation. The diamond is the truth.";
   return table;

@@ -8,84 +8,17 @@
 #include "kalfem/page/chart_series.hpp"
 #include "kalfem/page/display_unit.hpp"
 #include "kalfem/page/words.hpp"
-#include "kalfem/statistics/quantiles.hpp"
+#include "kalfem/steps/estimation/identified_connector.hpp"
 #include "kalfem/steps/estimation/sections.hpp"
 
 namespace kalfem {
 namespace {
 
-using Eigen::ArrayXd;
-using Eigen::ArrayXXd;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr Index curve_points = 201;
-
-/// Force of a law without memory at given deformations and rates.
-VectorXd force(const ConnectorLaw& law, const VectorXd& parameters, const VectorXd& deformation, const VectorXd& rate) {
-  const Index n = deformation.size();
-  const ArrayXXd p = parameters.transpose().array().replicate(n, 1), none = ArrayXXd::Zero(n, 0);
-  const ArrayXd d = deformation.array(), v = rate.array(), zero = ArrayXd::Zero(n);
-  ArrayXd f(n), k(n), c(n), b(n);
-  ArrayXXd states(n, 0);
-  law.respond({0.0, p, d, v, none, d, v, zero}, {f, k, c, b, states});
-  return f.matrix();
-}
-
-/// Parameters of one connector in the augmented model as a function of the unknowns' states.
-class IdentifiedConnector {
-public:
-  IdentifiedConnector(const EstimationOutcome& outcome, Index connector) : outcome_(outcome), connector_(connector) {
-    const auto& layout = outcome.augmented_model->layout();
-    last_ = outcome.result.state.mean.cols() - 1;
-    state_ = outcome.result.state.mean.col(last_).segment(layout.unknown(), layout.unknowns);
-    covariance_ =
-        outcome.result.final_covariance.block(layout.unknown(), layout.unknown(), layout.unknowns, layout.unknowns);
-  }
-
-  [[nodiscard]] VectorXd parameters(const VectorXd& state) const {
-    VectorXd values = outcome_.augmented_model->system().connectors[static_cast<std::size_t>(connector_)].parameters;
-    const auto& unknowns = outcome_.augmented_model->options().unknowns;
-    for (std::size_t i = 0; i < unknowns.size(); ++i)
-      for (const auto& target : unknowns[i].targets)
-        if (target.connector == connector_)
-          values[target.parameter] = unknowns[i].transform.to_parameter(state[static_cast<Index>(i)]);
-    return values;
-  }
-
-  /// Curve with the band that the parameters' covariance gives to first order.
-  [[nodiscard]] Series curve(const VectorXd& deformation, const VectorXd& rate) const {
-    const auto& law = *outcome_.augmented_model->system().connectors[static_cast<std::size_t>(connector_)].law;
-    const VectorXd mean = force(law, parameters(state_), deformation, rate);
-    MatrixXd slope(mean.size(), state_.size());
-    for (Index i = 0; i < state_.size(); ++i) {
-      const double step = 1e-3 * std::sqrt(std::max(covariance_(i, i), 1e-300));
-      VectorXd shifted = state_;
-      shifted[i] += step;
-      slope.col(i) = (force(law, parameters(shifted), deformation, rate) - mean) / step;
-    }
-    const VectorXd width =
-        normal_quantile(0.975) * ((slope * covariance_).cwiseProduct(slope)).rowwise().sum().cwiseMax(0.0).cwiseSqrt();
-    return {.label = "identified, 95 %",
-            .y = series_values(mean),
-            .lower = series_values(mean - width),
-            .upper = series_values(mean + width),
-            .role = Role::estimate};
-  }
-
-private:
-  const EstimationOutcome& outcome_;
-  Index connector_, last_ = 0;
-  VectorXd state_;
-  MatrixXd covariance_;
-};
-
-const PointQuantity* find(const EstimationOutcome& outcome, const std::string& name, ObservedQuantity quantity) {
-  const auto found =
-      std::ranges::find_if(outcome.points, [&](const auto& p) { return p.point == name && p.quantity == quantity; });
-  return found == outcome.points.end() ? nullptr : &*found;
-}
 
 const Connector* true_connector(const Study& study, const std::string& name) {
   if (!study.simulation) return nullptr;
@@ -118,8 +51,8 @@ Series data_share(const VectorXd& x, const VectorXd& visited, const std::vector<
 
 Chart characteristic(const Study& study, const EstimationOutcome& outcome, Index index, bool over_rate) {
   const auto& connector = outcome.augmented_model->system().connectors[static_cast<std::size_t>(index)];
-  const auto* range = find(outcome, connector.name,
-                           over_rate ? ObservedQuantity::connector_rate : ObservedQuantity::connector_deformation);
+  const auto* range = connector_motion(
+      outcome, connector.name, over_rate ? ObservedQuantity::connector_rate : ObservedQuantity::connector_deformation);
   const double largest = std::max(1e-12, range->mean.tail(range->mean.size() - outcome.settled).cwiseAbs().maxCoeff());
   const VectorXd x = VectorXd::LinSpaced(curve_points, -largest, largest), zero = VectorXd::Zero(curve_points);
   const VectorXd &deformation = over_rate ? zero : x, &rate = over_rate ? x : zero;
@@ -132,7 +65,7 @@ Chart characteristic(const Study& study, const EstimationOutcome& outcome, Index
               .half_width = true};
   if (const auto* truth = true_connector(study, connector.name))
     chart.series.push_back({.label = "true",
-                            .y = series_values(force(*truth->law, truth->parameters, deformation, rate)),
+                            .y = series_values(force_of(*truth->law, truth->parameters, deformation, rate)),
                             .role = Role::truth});
   chart.series.push_back(data_share(x, range->mean.tail(range->mean.size() - outcome.settled), chart.series));
   return with_readable_abscissae(with_readable_ordinates(std::move(chart), "force", "N"),
@@ -141,8 +74,8 @@ Chart characteristic(const Study& study, const EstimationOutcome& outcome, Index
 
 /// Force over deformation as it went, over the last part of the record.
 Chart path(const EstimationOutcome& outcome, const std::string& name) {
-  const auto *force_history = find(outcome, name, ObservedQuantity::connector_force),
-             *deformation = find(outcome, name, ObservedQuantity::connector_deformation);
+  const auto *force_history = connector_motion(outcome, name, ObservedQuantity::connector_force),
+             *deformation = connector_motion(outcome, name, ObservedQuantity::connector_deformation);
   const Index count = std::min<Index>(2000, force_history->mean.size() - outcome.settled);
   Chart chart{.id = name + "-path",
               .title = name + ": path",
@@ -160,6 +93,33 @@ Chart path(const EstimationOutcome& outcome, const std::string& name) {
   return with_readable_abscissae(with_readable_ordinates(std::move(chart), "force", "N"), "deformation", "m");
 }
 
+/// How often the connector stood at each deformation after settling: the share of the time by bins of equal width.
+Chart stroke_chart(const EstimationOutcome& outcome, const std::string& name) {
+  constexpr Index bins = 40;
+  const auto* deformation = connector_motion(outcome, name, ObservedQuantity::connector_deformation);
+  const VectorXd stroke = deformation->mean.tail(deformation->mean.size() - outcome.settled);
+  const double low = stroke.minCoeff(), width = std::max(stroke.maxCoeff() - low, 1e-12) / bins;
+  VectorXd share = VectorXd::Zero(bins);
+  for (const double value : stroke)
+    share[std::clamp<Index>(static_cast<Index>((value - low) / width), 0, bins - 1)] +=
+        100.0 / static_cast<double>(stroke.size());
+  Series outline{.label = "estimated", .y = {0.0}, .role = Role::estimate, .x = {low}};
+  for (Index b = 0; b < bins; ++b) {
+    const double from = low + static_cast<double>(b) * width;
+    outline.x.insert(outline.x.end(), {from, from + width});
+    outline.y.insert(outline.y.end(), {share[b], share[b]});
+  }
+  outline.x.push_back(low + bins * width);
+  outline.y.push_back(0.0);
+  return with_readable_abscissae({.id = name + "-stroke",
+                                  .title = name + ": stroke",
+                                  .caption = "Share of the time after settling.",
+                                  .y_label = "time [%]",
+                                  .series = {std::move(outline)},
+                                  .scatter = true},
+                                 "deformation", "m");
+}
+
 /// Part of a connector's force that no spring and dashpot explain: rms(f - k d - c v) / rms(f) of the best k and c.
 double nonlinear_share(const VectorXd& force, const VectorXd& deformation, const VectorXd& rate) {
   MatrixXd motion(force.size(), 2);
@@ -173,7 +133,7 @@ double nonlinear_share(const VectorXd& force, const VectorXd& deformation, const
 /// Size of motion and force of a connector after settling.
 std::vector<std::string> size_row(const EstimationOutcome& outcome, const std::string& name) {
   const auto settled = [&](ObservedQuantity quantity) -> VectorXd {
-    const auto& mean = find(outcome, name, quantity)->mean;
+    const auto& mean = connector_motion(outcome, name, quantity)->mean;
     return mean.tail(mean.size() - outcome.settled);
   };
   const VectorXd force = settled(ObservedQuantity::connector_force),
@@ -197,16 +157,13 @@ Section connectors_section(const Study& study, const EstimationOutcome& outcome)
   std::vector<Chart> charts;
   const auto& connectors = outcome.augmented_model->system().connectors;
   for (std::size_t j = 0; j < connectors.size(); ++j) {
-    const bool unknown = std::ranges::any_of(outcome.augmented_model->options().unknowns, [&](const auto& each) {
-      return std::ranges::any_of(each.targets,
-                                 [&](const auto& target) { return target.connector == static_cast<Index>(j); });
-    });
-    if (!unknown) continue;
+    if (!has_unknown(outcome, static_cast<Index>(j))) continue;
     if (connectors[j].law->states().empty()) {
       charts.push_back(characteristic(study, outcome, static_cast<Index>(j), false));
       charts.push_back(characteristic(study, outcome, static_cast<Index>(j), true));
     }
     charts.push_back(path(outcome, connectors[j].name));
+    charts.push_back(stroke_chart(outcome, connectors[j].name));
     sizes.rows.push_back(size_row(outcome, connectors[j].name));
   }
   if (charts.empty()) return section;

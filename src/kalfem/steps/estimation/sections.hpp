@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,13 @@ namespace kalfem {
 /// Force of every connector with an unknown parameter: over deformation at rest and over rate at zero deformation
 /// (identified with its 95 % band, and true) where the law has no memory, and the path that it went.
 Section connectors_section(const Study& study, const EstimationOutcome& outcome);
+
+/// Of the connector with an unknown parameter that has the largest force, for the first screen.
+struct LawOverview {
+  std::optional<Chart> force = {};       ///< over velocity: points, and the law with its 95 % band
+  std::optional<Listing> equation = {};  ///< with its numbers
+};
+LawOverview law_overview(const Study& study, const EstimationOutcome& outcome);
 
 /// The filter's unknowns: table, course over time, correlation, and what the record does not determine.
 Section parameters_section(const Study& study, const EstimationOutcome& outcome);
