@@ -51,15 +51,18 @@ TEST(SensorCourse, FindsTheWorstMoment) {
   EXPECT_GT(sensor.share(Agreement::red), 0.005);
 }
 
-TEST(SensorCourse, InnovationsThatAreTooSmallAreNoAgreement) {
+TEST(SensorCourse, InnovationsThatAreTooSmallAreToldFromThoseThatAreTooLarge) {
   const SensorCourse sensor(outcome_of(0.3 * white("e", 5100)), 0);
-  EXPECT_EQ(sensor.share(Agreement::red), 1.0);
+  EXPECT_EQ(sensor.share(Agreement::small), 1.0);
+  EXPECT_EQ(SensorCourse(outcome_of(3.0 * white("e", 5100)), 0).share(Agreement::red), 1.0);
 }
 
 TEST(SensorCourse, ARecordShorterThanAWindowIsOne) {
   const SensorCourse sensor(outcome_of(white("e", 107)), 0);
   EXPECT_EQ(sensor.windows.size(), 1U);
-  EXPECT_EQ(sensor.share(Agreement::green) + sensor.share(Agreement::amber) + sensor.share(Agreement::red), 1.0);
+  EXPECT_EQ(sensor.share(Agreement::green) + sensor.share(Agreement::amber) + sensor.share(Agreement::red) +
+                sensor.share(Agreement::small),
+            1.0);
   const SensorCourse empty(outcome_of(VectorXd::Constant(107, std::nan(""))), 0);
   EXPECT_EQ(empty.share(Agreement::green), 0.0);
 }

@@ -23,6 +23,8 @@ BarStyle style_of(Agreement agreement) {
       return {"--other-1", 0.65};
     case Agreement::red:
       return {"--bad", 1.0};
+    case Agreement::small:
+      return {"--accent", 0.2};
     case Agreement::missing:
       break;
   }
@@ -34,10 +36,11 @@ BarStyle style_of(Agreement agreement) {
 std::string agreement_strip_svg(const SensorCourse& sensor, const std::string& chart_id) {
   const auto count = sensor.windows.size();
   std::string svg = fmt::format(
-      "<svg width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"Agreement over time: green "
-      "{2:.0f} %, amber {3:.0f} %, red {4:.0f} %\">",
-      width, height, 100.0 * sensor.share(Agreement::green), 100.0 * sensor.share(Agreement::amber),
-      100.0 * sensor.share(Agreement::red));
+      "<svg width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"Agreement over time: as "
+      "expected "
+      "{2:.0f} %, too large {3:.0f} %, too small {4:.0f} %\">",
+      width, height, 100.0 * sensor.share(Agreement::green),
+      100.0 * (sensor.share(Agreement::amber) + sensor.share(Agreement::red)), 100.0 * sensor.share(Agreement::small));
   const double step = width / static_cast<double>(std::max<std::size_t>(1, count));
   for (std::size_t first = 0; first < count;) {  // equal neighbours are one bar
     std::size_t end = first;

@@ -23,7 +23,9 @@ Agreement agreement_of(double sum_of_squares, double count) {
     return sum_of_squares >= chi_squared_quantile(tail, count) &&
            sum_of_squares <= chi_squared_quantile(1.0 - tail, count);
   };
-  return within(0.95) ? Agreement::green : within(0.999) ? Agreement::amber : Agreement::red;
+  if (within(0.95)) return Agreement::green;
+  if (sum_of_squares < count) return Agreement::small;
+  return within(0.999) ? Agreement::amber : Agreement::red;
 }
 
 /// About the mean of what is there; 0 where it is missing.

@@ -14,8 +14,9 @@ enum class Agreement {
   green,
   amber,
   red,
+  small,
   missing
-};  ///< inside the 95 % band of chance, the 99.9 % band, outside; no data
+};  ///< inside the 95 % band of chance, the 99.9 % band, larger than it, smaller than either; no data
 
 /// What the filter expected of one sensor, and what came.
 struct SensorCourse {
@@ -52,7 +53,8 @@ std::vector<double> correlogram(const Eigen::VectorXd& sequence, Eigen::Index la
 std::vector<double> cross_correlogram(const Eigen::VectorXd& a, const Eigen::VectorXd& b, Eigen::Index lags);
 
 /// The agreement of a sensor over time as a strip of bars: low and green inside the 95 % band of chance, higher and
-/// amber, full and red outside the 99.9 % band. A mark at the worst window leads to the chart `chart_id` at that time.
+/// amber, full and red above the 99.9 % band; blue below the 95 % band, where the noise is stated too large. A mark at
+/// the worst window leads to the chart `chart_id` at that time.
 std::string agreement_strip_svg(const SensorCourse& sensor, const std::string& chart_id);
 
 }  // namespace kalfem

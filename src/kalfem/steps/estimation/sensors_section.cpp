@@ -218,7 +218,8 @@ void add_distribution(const SensorCourse& sensor, Section& section) {
 std::vector<std::string> table_row(const SensorCourse& sensor, const std::vector<double>& correlation,
                                    double innovation_to_noise) {
   const auto shares = fmt::format("{:.0f} / {:.0f} / {:.0f} %", 100.0 * sensor.share(Agreement::green),
-                                  100.0 * sensor.share(Agreement::amber), 100.0 * sensor.share(Agreement::red));
+                                  100.0 * (sensor.share(Agreement::amber) + sensor.share(Agreement::red)),
+                                  100.0 * sensor.share(Agreement::small));
   return {sensor.name,
           std::to_string(sensor.known),
           four_digits(sensor.size()),
@@ -236,13 +237,15 @@ Section sensors_section(const Study& study, const EstimationOutcome& outcome) {
                   "What each sensor measured and what the filter expected of it, one sample ahead. The difference, the "
                   "innovation, is white and as large as expected where model, noise and parameters are right.",
                   {}};
-  Table table{.title = "After settling",
-              .columns = {"sensor", "samples", "innovation / expected", "in the 95 % band", "correlation of neighbours",
-                          "innovation / noise", "green / amber / red", "worst at"},
-              .graphics_title = "agreement over time",
-              .caption =
-                  "Each window of time by the mean square of its innovations: green within the 95 % band of "
-                  "chance, amber within the 99.9 % band, red beyond. The mark leads to the worst moment."};
+  Table table{
+      .title = "After settling",
+      .columns = {"sensor", "samples", "innovation / expected", "in the 95 % band", "correlation of neighbours",
+                  "innovation / noise", "as expected / too large / too small", "worst at"},
+      .graphics_title = "agreement over time",
+      .caption =
+          "Each window of time by the mean square of its innovations. As expected (green): within the 95 % band "
+          "of chance. Too large (amber, beyond the 99.9 % band red): the model misses something there. Too small "
+          "(blue): the noise is stated too large. The mark leads to the worst moment."};
   Section charts;
   for (Index row = 0; row < outcome.result.innovation.rows(); ++row) {
     const SensorCourse sensor(outcome, row);
