@@ -31,7 +31,8 @@ std::string told(const Study& study, const StudyResults& results) {
 
 /// Modes of the finite-element substructures, how their reductions keep them, and what was warned of.
 Section model_section(const Study& study, const StudyResults& results) {
-  Section section{"Finite-element substructures", "", {modes_table(study, results)}};
+  Section section{"Finite-element substructures", "", {}};
+  if (auto table = modes_table(study, results); !table.rows.empty()) section.items.emplace_back(std::move(table));
   if (modes_found(results).joined_frequencies.size() > 0)
     section.items.emplace_back(joined_modes_table(study, results));
   for (const auto& elements : study.structure->finite_elements) {

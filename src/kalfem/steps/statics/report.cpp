@@ -71,6 +71,11 @@ Json case_json(const StaticsPlan& plan, const SolvedLoadCase& each) {
   return result;
 }
 
+/// Unit in which displacements of that size are read, with its factor on metres.
+std::pair<std::string, double> length_unit(double largest) {
+  return largest < 0.5 ? std::pair("mm", 1e3) : std::pair("m", 1.0);
+}
+
 /// "301.2 MPa".
 std::string pressure_text(double value) { return four_digits(1e-6 * value) + " MPa"; }
 
@@ -150,15 +155,23 @@ std::string statics_answer(const StaticsOutcome& outcome) {
 }
 
 Table static_points_table(const StaticsOutcome& outcome) {
-  Table table{
-      "Displacements and stresses of points",
-      {"load case", "point", "x [m]", "y [m]", "z [m]", "rx [rad]", "ry [rad]", "rz [rad]", "von Mises", "layer"},
-      {},
-      {}};
+  double farthest = 0.0;
+  for (const auto& each : outcome.cases)
+    for (const auto& point : each.points)
+      farthest = std::fmax(farthest, point.displacement.head<3>().cwiseAbs().maxCoeff());
+  const auto [unit, factor] = length_unit(farthest);
+  const auto along = [&unit = unit](const char* axis) { return fmt::format("{} [{}]", axis, unit); };
+  Table table{"Displacements and stresses of points",
+              {"load case", "point", along("x"), along("y"), along("z"), "rx [rad]", "ry [rad]", "rz [rad]",
+               "von Mises", "layer"},
+              {},
+              {}};
   for (const auto& each : outcome.cases)
     for (const auto& point : each.points) {
       const double largest = each.solution.displacements.cwiseAbs().maxCoeff();
-      auto row = joined({each.solution.load_case, point.name}, digits(point.displacement, 1e-9 * largest));
+      auto row = joined({each.solution.load_case, point.name},
+                        joined(digits(factor * point.displacement.head<3>(), 1e-9 * factor * largest),
+                               digits(point.displacement.tail<3>(), 1e-9 * largest)));
       row.push_back(point.stress ? pressure_text(von_mises(point.stress->stress)) : "-");
       row.emplace_back(point.stress && point.stress->layer != Layer::solid ? to_string(point.stress->layer) : "-");
       table.rows.push_back(std::move(row));
@@ -177,12 +190,12 @@ Table reactions_table(const StaticsOutcome& outcome) {
 
 Table stresses_table(const StaticsPlan& plan, const StaticsOutcome& outcome) {
   Table table{"Largest stresses: von Mises of the mean at a node; of beams the axial stress",
-              {"load case", "region", "stress", "element", "node", "layer", "at [m]"},
+              {"load case", "region", "stress", "element", "node", "layer", "at [mm]"},
               {},
               {}};
   for (const auto& each : outcome.cases)
     for (const auto& peak : each.peaks) {
-      const Eigen::Vector3d place = plan.part->elements.mesh.nodes.col(peak.node);
+      const Eigen::Vector3d place = 1e3 * plan.part->elements.mesh.nodes.col(peak.node);
       table.rows.push_back(
           {each.solution.load_case, peak.region, pressure_text(peak.value), std::to_string(cell_id(plan, peak.cell)),
            std::to_string(node_id(plan, peak.node)), peak.layer == Layer::solid ? "-" : to_string(peak.layer),

@@ -40,6 +40,7 @@ Eigen::VectorXd cell_stresses(const Mesh& mesh, const SolvedLoadCase& each) {
 class StressPicture {
 public:
   StressPicture(const Mesh& mesh, const SolvedLoadCase& each) : mesh_(mesh), stresses_(cell_stresses(mesh, each)) {
+    if (!each.peaks.empty()) take_peak(each.peaks.front());
     deform(each.solution.displacements);
     divide_into_bands();
     if (!each.peaks.empty()) options_.marks.push_back({MarkKind::point, each.peaks.front().node, "largest stress"});
@@ -62,11 +63,18 @@ private:
     mesh_.nodes += magnification_ * moved;
   }
 
+  /// The elements at the node of the largest stress have its band, so that the key ends at the largest stress.
+  void take_peak(const StressPeak& peak) {
+    highest_at_node_ = std::abs(peak.value);
+    stresses_[peak.cell] = std::fmax(stresses_[peak.cell], highest_at_node_);
+  }
+
   void divide_into_bands() {
     mesh_.regions.clear();
     double lowest = INFINITY, highest = 0.0;
     for (const double value : stresses_)
       if (!std::isnan(value)) lowest = std::min(lowest, value), highest = std::max(highest, value);
+    highest = std::max(highest, highest_at_node_);
     const auto count = static_cast<int>(band_colours.size());
     const double width = (highest - lowest) / count;
     for (int band = count; band-- > 0;) {
@@ -90,7 +98,7 @@ private:
 
   Mesh mesh_;
   Eigen::VectorXd stresses_;
-  double magnification_ = 0.0;
+  double magnification_ = 0.0, highest_at_node_ = 0.0;
   MeshPictureOptions options_;
 };
 
@@ -103,12 +111,12 @@ Section statics_section(const StaticsPlan& plan, const StaticsOutcome& outcome) 
   for (const auto& each : outcome.cases) {
     const StressPicture picture(plan.part->elements.mesh, each);
     if (!picture.has_stresses()) continue;
-    section.items.emplace_back(
-        Picture{.title = "Load case " + each.solution.load_case,
-                .caption = fmt::format("Von Mises stress at the centre of each element, of beams the axial stress; "
-                                       "displacements drawn {:g} times as large.",
-                                       picture.magnification()),
-                .svg = picture.svg()});
+    section.items.emplace_back(Picture{
+        .title = "Load case " + each.solution.load_case,
+        .caption = fmt::format("Von Mises stress at the centre of each element, of the one with the largest stress "
+                               "that at its node; of beams the axial stress; displacements drawn {:g} times as large.",
+                               picture.magnification()),
+        .svg = picture.svg()});
   }
   return section;
 }
