@@ -23,6 +23,7 @@ constexpr double beside = 20.0;  ///< between edges that join the same nodes
 
 const char* style =
     "<style>.schematic text{fill:var(--text,#1b2129)}.schematic .quiet{fill:var(--muted,#5b6673)}"
+    ".schematic .named{paint-order:stroke;stroke:var(--card,#fff);stroke-width:3.5px;stroke-linejoin:round}"
     ".schematic .mass{fill:var(--card,#fff);stroke:var(--text,#1b2129);stroke-width:1.3}"
     ".schematic .part{stroke:var(--muted,#5b6673);stroke-width:1.3;fill:none}"
     ".schematic .joint{stroke:var(--predicted,#d55e00);stroke-width:1.7;fill:none}"
@@ -59,8 +60,10 @@ public:
 
   std::string svg() {
     std::string shapes, joints;
+    for (const auto& edge : graph_.edges) ++parallel_[std::minmax(edge.from, edge.to)];
     for (std::size_t e = 0; e < graph_.edges.size(); ++e) joints += edge(graph_.edges[e]);
     for (const auto& node : graph_.nodes) shapes += this->node(node);
+    joints += names_;  // on top of what they name
     return fmt::format(
                "<svg class=\"schematic\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" "
                "role=\"img\" aria-label=\"{2}\" font-family=\"system-ui, sans-serif\" font-size=\"11.5\" "
@@ -86,6 +89,24 @@ private:
     return fmt::format("The structure: {}", fmt::join(words, ", "));
   }
 
+  /// Where what comes from a place is joined to a node: a rigid body takes it anywhere along its length.
+  [[nodiscard]] Vector2d attachment(const SchematicNode& node, const Vector2d& from) const {
+    const Vector2d middle = centre(node);
+    const double half = 0.5 * node.span * column;
+    return {std::clamp(from[0], middle[0] - half, middle[0] + half), middle[1]};
+  }
+
+  /// The names of all that joins the same two nodes stand below each other, to the right of the outermost symbol.
+  std::string name_beside(const SchematicEdge& edge, const Vector2d& middle) {
+    if (edge.label.empty()) return "";
+    const auto pair = std::minmax(edge.from, edge.to);
+    const bool upright = std::abs(centre(graph_.nodes[edge.from])[1] - centre(graph_.nodes[edge.to])[1]) > 1.0;
+    const double outermost = upright ? beside * static_cast<double>(parallel_[pair] / 2) : -34.0;
+    const double line = 13.0 * named_[pair]++;
+    names_ += name_of(edge, middle + Vector2d(outermost, upright ? line - 8.0 : line + 18.0));
+    return "";
+  }
+
   /// How far the node reaches from its centre in a direction.
   [[nodiscard]] static double reach(const SchematicNode& node, const Vector2d& direction) {
     if (node.kind == SchematicNodeKind::point) return 4.0;
@@ -97,7 +118,7 @@ private:
 
   std::string edge(const SchematicEdge& edge) {
     const auto &from = graph_.nodes[edge.from], &to = graph_.nodes[edge.to];
-    const Vector2d a = centre(from), b = centre(to), step = b - a;
+    const Vector2d a = attachment(from, centre(to)), b = attachment(to, centre(from)), step = b - a;
     if (edge.from == edge.to || step.norm() < 1.0) return "";
     const Vector2d direction = step.normalized(), across(-direction[1], direction[0]);
     const int before = passed_[std::minmax(edge.from, edge.to)]++;
@@ -110,7 +131,7 @@ private:
     const Vector2d middle = begin + 0.5 * length * direction;
     return fmt::format("<g transform=\"translate({:.1f} {:.1f}) rotate({:.1f})\">{}</g>", begin[0], begin[1], angle,
                        symbol(edge, std::max(length, 4.0))) +
-           name_of(edge, middle + Vector2d(0.0, 12.0 * before));
+           name_beside(edge, middle - shift * across);
   }
 
   static std::string symbol(const SchematicEdge& edge, double length) {
@@ -145,26 +166,26 @@ private:
 
   [[nodiscard]] static std::string name_of(const SchematicEdge& edge, const Vector2d& middle) {
     if (edge.label.empty()) return "";
-    return fmt::format("<text class=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>", edge.unknown ? "sought-name" : "",
-                       middle[0] + 16.0, middle[1] + 4.0, escaped(edge.label));
+    return fmt::format("<text class=\"named{}\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>",
+                       edge.unknown ? " sought-name" : "", middle[0] + 16.0, middle[1] + 4.0, escaped(edge.label));
   }
 
   [[nodiscard]] std::string node(const SchematicNode& node) const {
     const Vector2d at = centre(node);
     if (node.kind == SchematicNodeKind::ground) return ground(node, at);
+    const double half = node.kind == SchematicNodeKind::point ? 6.0 : 0.5 * (mass_width + column * node.span);
     std::string svg;
     if (node.kind == SchematicNodeKind::point)
       svg = fmt::format(
-          "<circle class=\"mass\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\"/><text class=\"quiet\" "
-          "x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"10\">{}</text>",
-          at[0], at[1], at[0] + 8.0, at[1] - 5.0, escaped(node.name));
+          "<circle class=\"mass\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\"/><text class=\"quiet named\" "
+          "x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"10\" text-anchor=\"end\">{}</text>",
+          at[0], at[1], at[0] - 8.0, at[1] - 5.0, escaped(node.name));
     else
       svg = fmt::format(
           "<rect class=\"mass\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{}\" height=\"{}\" rx=\"4\"/><text "
           "x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>",
-          at[0] - 0.5 * mass_width, at[1] - 0.5 * mass_height, mass_width, mass_height, at[0], at[1] + 4.0,
-          escaped(fitted(node.name)));
-    const double half = node.kind == SchematicNodeKind::point ? 6.0 : 0.5 * mass_width;
+          at[0] - half, at[1] - 0.5 * mass_height, 2.0 * half, mass_height, at[0], at[1] + 4.0,
+          escaped(node.span > 0.0 ? node.name : fitted(node.name)));
     return svg + sensors(node, at + Vector2d(half, 0.0)) + forces(node, at - Vector2d(half, 0.0));
   }
 
@@ -213,6 +234,9 @@ private:
   const SchematicGraph& graph_;
   double row_, width_, height_;
   std::map<std::pair<std::size_t, std::size_t>, int> passed_;  ///< edges that were drawn between two nodes
+  std::map<std::pair<std::size_t, std::size_t>, int> parallel_,
+      named_;  ///< all of them, and names that stand beside them
+  std::string names_;
 };
 
 }  // namespace

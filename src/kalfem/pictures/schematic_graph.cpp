@@ -152,6 +152,56 @@ private:
   SchematicGraph graph_;
 };
 
+/// Degrees of freedom of one substructure that are joined to nothing but points are the motion of one body: heave and
+/// pitch of a car. The first takes the place of the others.
+void join_rigid_bodies(SchematicGraph& graph) {
+  std::vector<bool> only_points(graph.nodes.size(), true), linked(graph.nodes.size(), false);
+  for (const auto& edge : graph.edges)
+    for (const auto end : {edge.from, edge.to}) {
+      linked[end] = true;
+      if (edge.kind != SchematicEdgeKind::link) only_points[end] = false;
+    }
+  std::map<std::string, std::size_t> bodies;
+  std::vector<std::size_t> place(graph.nodes.size());
+  SchematicGraph joined;
+  for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
+    auto& node = graph.nodes[i];
+    const auto dot = node.name.find('.');
+    const bool of_body =
+        node.kind == SchematicNodeKind::mass && only_points[i] && linked[i] && dot != std::string::npos;
+    const auto [body, is_new] =
+        of_body ? bodies.try_emplace(node.name.substr(0, dot), joined.nodes.size()) : std::pair(bodies.end(), true);
+    if (is_new) {
+      place[i] = joined.nodes.size();
+      joined.nodes.push_back(std::move(node));
+      continue;
+    }
+    place[i] = body->second;
+    auto& first = joined.nodes[body->second];
+    first.name += ", " + node.name.substr(dot + 1);
+    first.sensors.insert(first.sensors.end(), node.sensors.begin(), node.sensors.end());
+    first.inputs.insert(first.inputs.end(), node.inputs.begin(), node.inputs.end());
+  }
+  std::set<std::pair<std::size_t, std::size_t>> links;
+  for (auto& edge : graph.edges) {
+    edge.from = place[edge.from];
+    edge.to = place[edge.to];
+    if (edge.kind != SchematicEdgeKind::link || links.insert({edge.from, edge.to}).second)
+      joined.edges.push_back(std::move(edge));
+  }
+  graph = std::move(joined);
+}
+
+/// How far bodies of several degrees of freedom reach over the points on them.
+void set_spans(SchematicGraph& graph, const std::vector<std::vector<std::size_t>>& neighbours) {
+  for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
+    auto& body = graph.nodes[i];
+    if (body.kind != SchematicNodeKind::mass || body.name.find(", ") == std::string::npos) continue;
+    for (const auto point : neighbours[i])
+      body.span = std::max(body.span, 2.0 * std::abs(graph.nodes[point].position - body.position));
+  }
+}
+
 std::vector<std::vector<std::size_t>> neighbours_of(const SchematicGraph& graph) {
   std::vector<std::vector<std::size_t>> neighbours(graph.nodes.size());
   for (const auto& edge : graph.edges) {
@@ -244,9 +294,11 @@ void set_positions(SchematicGraph& graph, const std::vector<std::vector<std::siz
 SchematicGraph schematic_graph(const StructureParts& parts, const std::vector<Sensor>& sensors,
                                const SchematicOptions& options) {
   SchematicGraph graph = GraphMaker(parts, sensors, options).take();
+  join_rigid_bodies(graph);
   const auto neighbours = neighbours_of(graph);
   set_layers(graph, neighbours);
   set_positions(graph, neighbours);
+  set_spans(graph, neighbours);
   return graph;
 }
 

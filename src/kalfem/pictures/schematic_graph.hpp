@@ -10,7 +10,7 @@
 namespace kalfem {
 
 enum class SchematicNodeKind {
-  mass,    ///< a degree of freedom
+  mass,    ///< a degree of freedom, or those of a rigid body (heave and pitch) of which only points are used
   ground,  ///< fixed, or moved by an excitation
   point,   ///< a combination of degrees of freedom, or a point of a box
   box      ///< a whole substructure
@@ -22,6 +22,7 @@ struct SchematicNode {
   std::vector<std::string> sensors = {}, inputs = {};
   int layer = 0;          ///< edges from the nearest ground
   double position = 0.0;  ///< in its layer, from 0 on
+  double span = 0.0;      ///< of a rigid body: places from its first point to its last
 };
 
 enum class SchematicEdgeKind { spring, dashpot, spring_and_dashpot, connector, link };
