@@ -43,9 +43,9 @@ TEST(PageItems, GraphicsNeedOneForEachRow) {
 TEST(PageItems, NeighboursOfOneFoldOpenTogether) {
   const std::string html =
       html_of({.heading = "h", .items = {chart("a", ""), chart("b", "more"), chart("c", "more"), chart("d", "other")}});
-  EXPECT_EQ(count(html, "<details"), 2u);
+  EXPECT_EQ(count(html, "<details class=\"full\""), 2u);
   EXPECT_EQ(count(html, "<summary>more</summary>"), 1u);
-  EXPECT_LT(html.find("chart-a"), html.find("<details"));
+  EXPECT_LT(html.find("chart-a"), html.find("<details class=\"full\""));
   EXPECT_LT(html.find("<summary>more"), html.find("id=\"chart-b\""));
   EXPECT_LT(html.find("id=\"chart-c\""), html.find("<summary>other"));
 }

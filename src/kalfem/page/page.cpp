@@ -138,11 +138,9 @@ std::string text_element(const std::string& tag, const std::string& attributes, 
   return text.empty() ? "" : element(tag, attributes, shown(text));
 }
 
-/// Takes a text to the clipboard; without scripts it is not there.
+/// Takes a text to the clipboard, an empty one that of the listing beside it; without scripts it is not there.
 std::string copy_button(const std::string& words, const std::string& text) {
-  return text.empty()
-             ? ""
-             : element("button", "type=\"button\" class=\"copy\" hidden data-copy=\"" + escaped(text) + "\"", words);
+  return element("button", "type=\"button\" class=\"copy\" hidden data-copy=\"" + escaped(text) + "\"", words);
 }
 
 std::string paragraphs(const std::string& text) {
@@ -297,8 +295,7 @@ private:
   }
 
   static std::string html(const Listing& listing) {
-    const std::string text =
-        copy_button("Copy", listing.text) + element("pre", "tabindex=\"0\"", escaped(listing.text));
+    const std::string text = copy_button("Copy", "") + element("pre", "tabindex=\"0\"", escaped(listing.text));
     if (listing.folded)
       return element("details", "class=\"full listing\"", text_element("summary", "", listing.title) + text);
     return element("figure", "class=\"chart half listing\"",
@@ -316,12 +313,13 @@ private:
     for (std::size_t r = 0; r < table.rows.size(); ++r) rows += element("tr", "", cells(table, r));
     const std::string size = std::string(table.half_width ? "table half" : "table") +
                              (table.half_width && !table.graphics.empty() ? " stacks" : "");
-    return element(
-        "div", "class=\"" + size + "\" tabindex=\"0\" role=\"group\" aria-label=\"" + escaped(table.title) + "\"",
-        element("table", "",
-                text_element("caption", "", table.title) + element("thead", "", element("tr", "", head)) +
-                    element("tbody", "", rows)) +
-            copy_button("Copy numbers", table.copied) + text_element("p", "class=\"note-below\"", table.caption));
+    return element("div",
+                   "class=\"" + size + "\" tabindex=\"0\" role=\"group\" aria-label=\"" + escaped(table.title) + "\"",
+                   element("table", "",
+                           text_element("caption", "", table.title) + element("thead", "", element("tr", "", head)) +
+                               element("tbody", "", rows)) +
+                       (table.copied.empty() ? "" : copy_button("Copy numbers", table.copied)) +
+                       text_element("p", "class=\"note-below\"", table.caption));
   }
 
   static std::string cells(const Table& table, std::size_t r) {

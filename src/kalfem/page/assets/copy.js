@@ -6,11 +6,13 @@ export function offerCopies() {
     node.hidden = false;
     const words = node.textContent;
     node.addEventListener("click", async () => {
-      node.textContent = await copied(node.dataset.copy) ? "Copied" : "Not copied: the browser does not allow it";
+      node.textContent = await copied(textOf(node)) ? "Copied" : "Not copied: the browser does not allow it";
       setTimeout(() => { node.textContent = words; }, 2000);
     });
   }
 }
+
+const textOf = node => node.dataset.copy || node.parentElement.querySelector("pre").textContent;
 
 async function copied(text) {
   try {
