@@ -91,7 +91,7 @@ INSTANTIATE_TEST_SUITE_P(Examples, PageOf, testing::ValuesIn(examples),
 
 TEST(PageQuestions, AreFifteen) {
   const auto all = questions();
-  ASSERT_EQ(all.size(), 15U);
+  ASSERT_EQ(all.size(), 20U);
   for (const auto& question : all) {
     EXPECT_FALSE(question.elements.empty()) << question.number;
     EXPECT_EQ(question.answered.size(), std::size(examples)) << question.number;
