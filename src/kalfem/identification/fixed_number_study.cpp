@@ -47,6 +47,21 @@ EstimationProblemPtr about_estimates(const EstimationProblem& problem, const Rec
   return about;
 }
 
+/// What the unknowns' narrower priors about the estimates know beyond those of the problem: 1 / variance, in their
+/// units at the estimates; 0 where they are not narrower.
+VectorXd added_by_priors(const EstimationProblem& problem, const EstimationProblem& about, Index unknowns) {
+  VectorXd added = VectorXd::Zero(unknowns);
+  for (std::size_t i = 0; i < about.settings.unknowns.size(); ++i) {
+    const auto &wide = problem.settings.unknowns[i], &narrow = about.settings.unknowns[i];
+    const double before = wide.transform.slope(wide.transform.to_state(wide.initial));
+    const double slope = narrow.transform.slope(narrow.transform.to_state(narrow.initial));
+    const double deviation = wide.deviation * slope / before;
+    if (narrow.deviation < deviation)
+      added[static_cast<Index>(i)] = 1.0 / (narrow.deviation * narrow.deviation) - 1.0 / (deviation * deviation);
+  }
+  return added;
+}
+
 /// (I + S^-1)^-1 g over the stated numbers but `without`.
 VectorXd allowed_changes(const FixedNumberStudy& study, Index without) {
   std::vector<Index> stated;
@@ -90,8 +105,11 @@ void set_asked(FixedNumberStudy& study) {
 /// Collects what the runs beside the numbers tell, number by number.
 class Collection {
 public:
-  Collection(const RunsBeside& runs, const EstimationResult& result, const RecordEstimate& estimate)
-      : judged_(result.innovation.cols() - estimate.settled),
+  /// `added`: see added_by_priors().
+  Collection(const RunsBeside& runs, const EstimationResult& result, const RecordEstimate& estimate,
+             const VectorXd& added)
+      : added_(added),
+        judged_(result.innovation.cols() - estimate.settled),
         whiten_(result),
         innovation_(judged(result.innovation)),
         slope_(slopes(estimate)) {
@@ -103,6 +121,12 @@ public:
     study.score = VectorXd::Zero(count);
     study.confirmed = VectorXd::Constant(count, std::numeric_limits<double>::quiet_NaN());
     white_.setZero(innovation_.size(), count);
+    late_shift_ = study.shift;
+    first_ = estimate.settled;
+    const auto& mean = result.unknowns.mean;
+    late_move_ = mean.rightCols(1) -
+                 (first_ > 0 ? mean.col(first_ - 1).eval()
+                             : estimate.result.unknowns.mean.col(estimate.result.unknowns.mean.cols() - 1).eval());
     if (!study.any_stated()) return;
     const Index quantities = estimate.result.monitored.mean.rows() + std::ssize(estimate.inputs);
     found_.considered = {MatrixXd::Zero(quantities, samples), MatrixXd::Zero(result.innovation.rows(), samples)};
@@ -121,12 +145,15 @@ public:
     white_.col(i) = moved.cast<float>();
     study.score[i] = -moved.dot(innovation_);
     study.shift.col(i) = slope_.cwiseProduct(derivative->unknowns.rightCols(1));
+    late_shift_.col(i) = study.shift.col(i);
+    if (first_ > 0) late_shift_.col(i) -= slope_.cwiseProduct(derivative->unknowns.col(first_ - 1));
     if (study.numbers[n].deviation > 0.0) stated_.push_back({i, derivative->innovation, derivative->monitored});
   }
 
   FixedNumberResult finish() && {
     found_.study.information = (white_.transpose() * white_).cast<double>();
     auto& [study, considered] = found_;
+    if (study.any_stated()) take_out_priors();
     study.score += study.information * study.stands_at;
     set_asked(study);
     for (const auto& each : stated_)
@@ -154,6 +181,16 @@ private:
     Index number;
     MatrixXd innovation, monitored;
   };
+
+  /// The narrow priors hold the unknowns back as if the record did. As long as they know far less than the record tells
+  /// in the end, the unknowns' shifts s behind the settling, and their moves m, tell by how much:
+  /// I_ij -= s_i^T B s_j, g_i += s_i^T B m, B what the priors add.
+  void take_out_priors() {
+    auto& study = found_.study;
+    study.information -= late_shift_.transpose() * added_.asDiagonal() * late_shift_;
+    study.score += late_shift_.transpose() * added_.cwiseProduct(late_move_);
+    for (Index i = 0; i < study.size(); ++i) study.information(i, i) = std::max(study.information(i, i), 0.0);
+  }
 
   /// Symmetric square root of the covariance of the stated numbers: of what is stated, or, where the estimation stands
   /// at what the record says of them, of the posterior.
@@ -189,12 +226,16 @@ private:
     return slope;
   }
 
+  VectorXd added_;
   Index judged_;  ///< samples
   WhiteInnovations whiten_;
   VectorXd innovation_;
   VectorXd slope_;
   Eigen::MatrixXf white_;  ///< d nu / d c, white, one column a number
   std::vector<Stated> stated_;
+  Index first_ = 0;      ///< that is judged
+  MatrixXd late_shift_;  ///< d theta / d c from there on
+  VectorXd late_move_;   ///< of the unknowns from there on
   FixedNumberResult found_;
 };
 
@@ -242,7 +283,7 @@ std::optional<FixedNumberResult> study_fixed_numbers(const EstimationProblemPtr&
   options_of_filter.keep_gains = true;
   EstimationResult result = kalfem::estimate(*filter.choice.augmented_model, filter.input, options_of_filter);
   if (result.failure || !runs.run_base(std::move(result.gains))) return std::nullopt;
-  Collection collection(runs, result, estimate);
+  Collection collection(runs, result, estimate, added_by_priors(*problem, *about, result.unknowns.mean.rows()));
   const auto groups = runs.groups();
   const auto at_once = static_cast<std::size_t>(filter_threads(problem->settings));
   for (std::size_t first = 0; first < groups.size(); first += at_once) {

@@ -6,15 +6,11 @@
 #include <limits>
 
 #include "kalfem/identification/change_hints.hpp"
-#include "kalfem/identification/confirmed_numbers.hpp"
-#include "kalfem/identification/freed_numbers.hpp"
 #include "kalfem/identification/open_loop.hpp"
 #include "kalfem/identification/parameter_drift.hpp"
 #include "kalfem/identification/refined_filter.hpp"
 #include "kalfem/identification/robust_deviations.hpp"
-#include "kalfem/identification/runs_beside.hpp"
 #include "kalfem/identification/settling.hpp"
-#include "kalfem/identification/white_innovations.hpp"
 
 namespace kalfem {
 
@@ -370,97 +366,6 @@ void RecordEstimation::study_process_noise(StepBudget& budget) {
   auto study = kalfem::study_process_noise(problem_, setup_, record_, estimate_, budget);
   if (study.stopped) estimate_.leave_out("other process noise");
   estimate_.process_noise = std::move(study.trials);
-}
-
-void RecordEstimation::study_fixed_numbers(StepBudget& budget) {
-  const bool stated = !problem_->settings.known_to.empty();
-  if (estimate_.result.failure || estimate_.augmented_model->layout().unknowns == 0) return;
-  if (!stated && !problem_->settings.diagnose) return;
-  StepBudget unlimited;
-  auto found = study_numbers(stated ? unlimited : budget);
-  if (!found) return estimate_.leave_out("how the estimates move with numbers that are held fixed");
-  confirm_asked(problem_, screening_->setup(), screening_->record(), estimate_, found->study);
-  estimate_.fixed_numbers = std::make_shared<const FixedNumberStudy>(std::move(found->study));
-  if (estimate_.fixed_numbers->any_stated()) take_considered(found->considered);
-}
-
-NumberTrials RecordEstimation::try_numbers(StepBudget& budget) {
-  return kalfem::try_numbers(problem_, screening_->setup(), screening_->record(), estimate_, budget);
-}
-
-namespace {
-
-void widen(const MatrixXd& added, EstimatedSeries& series) {
-  series.deviation = (series.deviation.cwiseAbs2() + added.cwiseAbs2()).cwiseSqrt();
-}
-
-/// Monitored quantities, and the unknown inputs behind them.
-void widen(const MatrixXd& added, EstimatedSeries& monitored, std::vector<EstimatedInput>& inputs) {
-  const Index quantities = monitored.deviation.rows();
-  widen(added.topRows(quantities), monitored);
-  for (std::size_t i = 0; i < inputs.size(); ++i) {
-    const VectorXd of_input = added.row(quantities + static_cast<Index>(i)).transpose();
-    inputs[i].deviation = (inputs[i].deviation.cwiseAbs2() + of_input.cwiseAbs2()).cwiseSqrt();
-  }
-}
-
-}  // namespace
-
-std::optional<RecordEstimation> RecordEstimation::with_numbers(const ChangedNumbers& changed,
-                                                               NoiseOfSensors noise) const try {
-  RecordEstimation other = *this;
-  if (!changed.empty()) {
-    auto at = at_numbers(problem_, setup_, record_, changed);
-    other.problem_ = std::move(at.problem);
-    other.setup_ = std::move(at.setup);
-    other.record_ = std::move(at.record);
-    other.log_jacobian_ = std::move(at.log_jacobian);
-    other.changed_ = changed;
-  }
-  if (noise == NoiseOfSensors::as_recorded) {
-    auto problem = std::make_shared<EstimationProblem>(*other.problem_);
-    problem->settings.adaptive_noise.sensors = true;
-    other.problem_ = std::move(problem);
-  }
-  other.setup_.substeps = estimate_.substeps;
-  other.run_first();
-  if (other.estimate_.result.failure) return std::nullopt;
-  StepBudget unlimited;
-  other.repeat_from_estimates(unlimited);
-  return other;
-} catch (const InvalidInput&) {
-  return std::nullopt;
-}
-
-std::optional<FixedNumberResult> RecordEstimation::study_numbers(StepBudget& budget) const {
-  return kalfem::study_fixed_numbers(problem_, screening_->setup(), screening_->record(), estimate_, options_, budget,
-                                     changed_);
-}
-
-double RecordEstimation::log_likelihood() const {
-  const double jacobian =
-      log_jacobian_.size() == 0 ? 0.0 : log_jacobian_.tail(log_jacobian_.size() - estimate_.settled).sum();
-  return log_likelihood_from(estimate_.result, estimate_.settled) + jacobian;
-}
-
-/// Innovations are those with the fixed numbers as the record asks for within what is stated. Where these agree with
-/// the model, scores that the numbers bend widen no deviation.
-void RecordEstimation::take_considered(const ConsideredNumbers& considered) {
-  auto& result = estimate_.result;
-  estimate_.considered_deviation = estimate_.fixed_numbers->considered.rowwise().norm();
-  widen(considered.monitored, result.monitored, estimate_.inputs);
-  if (estimate_.smoothed) widen(considered.monitored, estimate_.smoothed->monitored, estimate_.smoothed_inputs);
-  const WhiteInnovations whiten(result);
-  result.innovation += considered.innovation;
-  const VectorXd nis = whiten(result.innovation).colwise().squaredNorm();
-  result.nis = result.nis.array().isFinite().select(nis, result.nis);
-  estimate_.consistency = summarise_consistency(result.nis, result.measured, result.innovation,
-                                                estimate_.measurements.noise(), estimate_.settled);
-  if (innovations_contradict(estimate_, estimate_.settled)) return;
-  const Index last = result.unknowns.deviation.cols() - 1;
-  for (Index i = 0; i < estimate_.robust_deviation.size(); ++i)
-    if (std::isfinite(estimate_.robust_deviation[i]))
-      estimate_.robust_deviation[i] = result.unknowns.deviation(i, last);
 }
 
 /// Makes the estimate of a run.

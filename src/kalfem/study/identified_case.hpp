@@ -16,7 +16,7 @@ struct IdentifiedValues {
   std::vector<double> updated;   ///< one per updated parameter, likewise
   /// Initial values of further unknowns, by name: those of the measurement and of the noise.
   std::vector<std::pair<std::string, double>> of_measurement;
-  /// Numbers that are known to a deviation, where they were moved: of the structure; in words of sensors and excitations.
+  /// Numbers that are known to a deviation, where they were moved: of the structure; in words, of sensors and inputs.
   std::vector<std::pair<Parameter, double>> moved = {};
   std::vector<std::string> moved_signals = {};
 };
