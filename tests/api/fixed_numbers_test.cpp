@@ -249,6 +249,21 @@ TEST(FixedNumbers, StandAtGainsToo) {
         << stated.parameters[j].name;
 }
 
+/// A gain that is found by likelihood is found anew where the stated mass stands: with the mass as held it is another.
+TEST(FixedNumbers, MoveWithWhatIsFoundByLikelihood) {
+  EstimateOptions o = options();
+  o.unknowns.push_back({"sensors.a3.gain", {.initial = 1.0, .std = 0.1}});
+  o.known_to = {{.name = "s.2.mass", .deviation = 0.03}};
+  const auto found = estimate(chain_of_three(1.0), record_of({.mass = 1.05, .gain = 1.03}, 9), o);
+  EXPECT_EQ(found.verdict.state(), VerdictState::consistent);
+  EXPECT_NE(effect(found, "s.2.mass").stands_at, 0.0);
+  const auto& gain = found.parameter("sensors.a3.gain");
+  EXPECT_NEAR(gain.mean, 1.03, 3.5 * gain.std);
+  const double truth[] = {4e6, 1.5e3};
+  for (std::size_t j = 0; j < 2; ++j)
+    EXPECT_NEAR(found.parameters[j].mean, truth[j], 3.5 * found.parameters[j].std_considered);
+}
+
 TEST(FixedNumbers, RefusesWhatCannotBeStated) {
   const Record record = record_of({}, 5);
   const std::vector<KnownTo> stated{

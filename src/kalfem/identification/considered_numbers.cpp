@@ -54,12 +54,14 @@ std::optional<RecordEstimation> RecordEstimation::with_numbers(const ChangedNumb
                                                                NoiseOfSensors noise) const try {
   RecordEstimation other = *this;
   if (!changed.empty()) {
-    auto at = at_numbers(problem_, setup_, record_, changed);
+    auto at = at_numbers(given_->problem, given_->setup, given_->record, changed);
     other.problem_ = std::move(at.problem);
     other.setup_ = std::move(at.setup);
     other.record_ = std::move(at.record);
-    other.log_jacobian_ = std::move(at.log_jacobian);
+    other.log_jacobian_ = at.log_jacobian.size() > 0 ? at.log_jacobian : VectorXd::Zero(other.record_.samples());
     other.changed_ = changed;
+    other.correct();
+    if (other.likelihood_) other.log_jacobian_ += other.likelihood_->corrected.log_jacobian;
   }
   if (noise == NoiseOfSensors::as_recorded) {
     auto problem = std::make_shared<EstimationProblem>(*other.problem_);

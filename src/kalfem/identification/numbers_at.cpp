@@ -65,6 +65,7 @@ void set_excitations(const std::vector<FixedNumber>& numbers, const VectorXd& ch
 /// Takes out of the record what the sensors' gains and clocks change in it.
 void correct_record(const std::vector<FixedNumber>& numbers, const VectorXd& changes, ProblemAtNumbers& at) {
   EstimationProblem with = *at.problem;
+  with.settings.likelihood_unknowns.clear();
   std::vector<double> values;
   for (Index i = 0; i < changes.size(); ++i) {
     const auto& number = numbers[static_cast<std::size_t>(i)];

@@ -29,7 +29,7 @@ struct ChangedNumbers {
   [[nodiscard]] bool empty() const { return numbers.empty(); }
 };
 
-/// `changed`, not empty: in each number's scale. The problem has no likelihood unknowns. Finite elements are reduced at
+/// `changed`, not empty: in each number's scale. Finite elements are reduced at
 /// their numbers. Throws InvalidInput where they make no structure, or a sensor's gain would be 0.
 ProblemAtNumbers at_numbers(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
                             const ChangedNumbers& changed);

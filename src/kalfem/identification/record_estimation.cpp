@@ -160,7 +160,11 @@ EstimationOptions filter_options(const EstimationProblem& problem, const Augment
 
 RecordEstimation::RecordEstimation(EstimationProblemPtr problem, AugmentedModelSetup setup, Record record,
                                    const RecordEstimateOptions& options)
-    : problem_(std::move(problem)), setup_(std::move(setup)), record_(std::move(record)), options_(options) {
+    : given_(std::make_shared<Given>(Given{problem, setup, record})),
+      problem_(std::move(problem)),
+      setup_(std::move(setup)),
+      record_(std::move(record)),
+      options_(options) {
   options_.progress = passes_of(options.progress, "filter pass");
 }
 

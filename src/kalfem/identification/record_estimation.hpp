@@ -59,6 +59,12 @@ public:
 
 private:
   void correct();
+  /// What is estimated, before gains, delays and noise are found.
+  struct Given {
+    EstimationProblemPtr problem;
+    AugmentedModelSetup setup;
+    Record record;
+  };
   void run_first();
   void try_rest(FilteredRecord& filtered, int substeps);
   void pass_again(int passes, bool with_start);
@@ -67,6 +73,7 @@ private:
   void take_considered(const ConsideredNumbers& considered);
   [[nodiscard]] FilterRun coarse_run(int substeps) const;
 
+  std::shared_ptr<const Given> given_;
   EstimationProblemPtr problem_;  ///< with gains, delays and noise at their likeliest, once these are found
   AugmentedModelSetup setup_;
   Record record_;

@@ -91,7 +91,7 @@ std::string moved_words(const FixedNumberStudy& study) {
   }
   return "With the numbers as given the record contradicts the model; within what is stated of them it does not. The "
          "estimates are those with " +
-         names + ", the others of sensitivity in summary.json\n";
+         names + "; all are in sensitivity of summary.json\n";
 }
 
 }  // namespace
