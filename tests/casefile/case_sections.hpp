@@ -46,6 +46,9 @@ KeyChecks live_keys();
 KeyChecks simulation_keys();
 KeyChecks estimation_keys();
 KeyChecks updating_keys();
+KeyChecks compared_response_keys();
+/// A part of what `deviation` of a comparison is looked at by.
+void frequency_responses_of_tables();
 KeyChecks inference_keys();
 KeyChecks report_keys();
 KeyChecks placement_keys();

@@ -51,8 +51,8 @@ const KeyChecks& checks() {
   static const KeyChecks all = [] {
     KeyChecks merged;
     for (auto* table : {structure_keys, finite_element_keys, component_keys, excitation_keys, sensor_and_record_keys,
-                        simulation_keys, estimation_keys, updating_keys, report_keys, inference_keys, placement_keys,
-                        static_keys, frequency_response_keys, live_keys})
+                        simulation_keys, estimation_keys, updating_keys, compared_response_keys, report_keys,
+                        inference_keys, placement_keys, static_keys, frequency_response_keys, live_keys})
       for (auto& [key, check] : table()) {
         EXPECT_FALSE(merged.contains(key)) << key << " stands in two tables";
         merged[key] = check;

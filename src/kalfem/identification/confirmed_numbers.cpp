@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kalfem/identification/confirmed_numbers.hpp"
+#include "kalfem/identification/fixed_number_study.hpp"
 
 #include <algorithm>
 #include <limits>
 
 #include "kalfem/base/parallel.hpp"
-#include "kalfem/identification/rerun.hpp"
 #include "kalfem/identification/runs_beside.hpp"
 
 namespace kalfem {
@@ -32,7 +31,7 @@ public:
   [[nodiscard]] double rise(const VectorXd& changes) const try {
     const auto at = at_numbers(problem_, setup_, record_, from_here({study_.numbers, changes}));
     const FilterRun run = make_filter_run(at.problem, at.setup, at.record);
-    EstimationOptions options = rerun_options(run, problem_->settings, estimate_);
+    EstimationOptions options = rerun_options(run.choice.filter, problem_->settings, estimate_);
     options.passes = problem_->settings.passes;
     const EstimationResult result = kalfem::estimate(*run.choice.augmented_model, run.input, options);
     if (result.failure) return -std::numeric_limits<double>::infinity();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
-#include "kalfem/identification/confirmed_numbers.hpp"
 #include "kalfem/identification/freed_numbers.hpp"
 #include "kalfem/identification/record_estimation.hpp"
 #include "kalfem/identification/robust_deviations.hpp"

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "kalfem/base/parallel.hpp"
-#include "kalfem/identification/rerun.hpp"
 #include "kalfem/identification/runs_beside.hpp"
 #include "kalfem/identification/white_innovations.hpp"
 #include "kalfem/statistics/quantiles.hpp"
@@ -279,7 +278,7 @@ std::optional<FixedNumberResult> study_fixed_numbers(const EstimationProblemPtr&
   if (!budget.take(pass * (1.0 + cost_of_mean + cost_of_number * static_cast<double>(count)))) return std::nullopt;
 
   const FilterRun& filter = runs.filter();
-  EstimationOptions options_of_filter = rerun_options(filter, problem->settings, estimate);
+  EstimationOptions options_of_filter = rerun_options(filter.choice.filter, problem->settings, estimate);
   options_of_filter.keep_gains = true;
   EstimationResult result = kalfem::estimate(*filter.choice.augmented_model, filter.input, options_of_filter);
   if (result.failure || !runs.run_base(std::move(result.gains))) return std::nullopt;

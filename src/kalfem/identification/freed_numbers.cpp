@@ -9,7 +9,6 @@
 #include "kalfem/identification/measurement_unknowns.hpp"
 #include "kalfem/identification/record_estimate.hpp"
 #include "kalfem/identification/released_elements.hpp"
-#include "kalfem/identification/rerun.hpp"
 
 namespace kalfem {
 
@@ -107,9 +106,9 @@ private:
   [[nodiscard]] Run run_of(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup,
                            const Record& record) const {
     const FilterRun made = make_filter_run(problem, setup, record);
-    return {
-        made.choice.augmented_model->options().unknowns,
-        kalfem::estimate(*made.choice.augmented_model, made.input, rerun_options(made, problem->settings, estimate_))};
+    return {made.choice.augmented_model->options().unknowns,
+            kalfem::estimate(*made.choice.augmented_model, made.input,
+                             rerun_options(made.choice.filter, problem->settings, estimate_))};
   }
 
   [[nodiscard]] std::optional<Run> with_parameter(const EstimationProblemPtr& with, TriedNumber& tried) const {

@@ -7,7 +7,7 @@
 
 #include "kalfem/base/units.hpp"
 #include "kalfem/identification/freed_numbers.hpp"
-#include "kalfem/identification/stated_moves.hpp"
+#include "kalfem/identification/record_estimation.hpp"
 
 namespace kalfem {
 
@@ -167,6 +167,18 @@ std::string to_string(SecondThoughts thoughts) {
       return "stopped";
   }
   return "";
+}
+
+EstimationOptions rerun_options(FilterKind filter, const EstimationSettings& settings, const RecordEstimate& estimate) {
+  EstimationOptions options{.filter = filter,
+                            .unscented = settings.unscented,
+                            .threads = filter_threads(settings),
+                            .state_means = false,
+                            .state_deviations = false,
+                            .adaptive_noise = settings.adaptive_noise,
+                            .held_out = estimate.held_out};
+  options.outliers.treatment = estimate.outliers;
+  return options;
 }
 
 VectorXd linear_estimates(const RecordEstimate& estimate) {

@@ -114,6 +114,10 @@ RecordEstimate estimate_record(const EstimationProblemPtr& problem, const Augmen
 RecordEstimate estimate_record_thoroughly(const EstimationProblemPtr& problem, AugmentedModelSetup& setup,
                                           const Record& record, const RecordEstimateOptions& options = {});
 
+/// One pass of an estimate's filter over its record again: its noise, outliers and samples that are held out, without
+/// series of the states.
+EstimationOptions rerun_options(FilterKind filter, const EstimationSettings& settings, const RecordEstimate& estimate);
+
 /// The last estimates of the unknowns in the linear part of the filter's model.
 Eigen::VectorXd linear_estimates(const RecordEstimate& estimate);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kalfem/identification/stated_moves.hpp"
+#include "kalfem/identification/record_estimation.hpp"
 
 #include "kalfem/identification/robust_deviations.hpp"
 

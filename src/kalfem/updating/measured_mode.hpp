@@ -4,6 +4,10 @@
 #include <Eigen/Dense>
 #include <cstddef>
 #include <optional>
+#include <string>
+#include <vector>
+
+#include "kalfem/base/invalid_input.hpp"
 
 namespace kalfem {
 
@@ -21,6 +25,16 @@ struct MeasuredMode {
   double damping_deviation = 0.0;         ///< its standard deviation
   double complexity = 0.0;                ///< of the shape before it was turned to be real, see RealShape
 };
+
+/// "measured mode 3 (12.41 Hz)" of the one at position 2.
+std::string named_mode(std::size_t position, double frequency);
+
+/// The largest |entry| that was measured; 0 without one.
+double largest_entry(const Eigen::VectorXd& shape);
+
+/// Mistakes of measured modes at so many points, which go to `issues`: numbers that are not positive, shapes and errors
+/// of another size, model modes that are named twice.
+void check_modes(const std::vector<MeasuredMode>& measured, std::size_t points, IssueList& issues);
 
 /// A measured mode beside the model's.
 struct PairedMode {

@@ -55,7 +55,7 @@ std::vector<MeasuredMode> modes_of_set(const ModeSet& set, const ModeSetOptions&
   IssueList issues;
   for (std::size_t i = 0; i < set.modes.size(); ++i) {
     const auto& mode = set.modes[i];
-    const std::string name = fmt::format("measured mode {} ({:.4g} Hz)", i + 1, mode.frequency);
+    const std::string name = named_mode(i, mode.frequency);
     if (!(mode.frequency > 0.0) || !std::isfinite(mode.frequency))
       issues.add({}, fmt::format("measured mode {} has no frequency", i + 1), "it is compared by it", "leave it out");
     MeasuredMode measured{
