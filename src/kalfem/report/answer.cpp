@@ -6,6 +6,7 @@
 
 #include <array>
 
+#include "kalfem/page/words.hpp"
 #include "kalfem/steps/compared.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
 #include "kalfem/steps/simulation/outcome.hpp"
@@ -46,7 +47,11 @@ std::string answer(const Study& study, const StudyResults& results) {
   };
   for (const auto* step : steps_that_ran(results, answer_order))
     if (step->answer && say(step->answer(study, results)) && step->name != "update") break;
-  if (!has_verdict(results)) say("Nothing was compared with measurements.");
+  if (!has_verdict(results)) {
+    std::string why = sentence(why_no_verdict(results));
+    why.back() = '.';  // in the place of the line's end
+    say(why);
+  }
   if (const auto reasons = results.verdict.reasons(); !reasons.empty()) say(doubts_in_words(reasons));
   say(next_step(results));
   return fmt::format("{}", fmt::join(sentences, " "));
