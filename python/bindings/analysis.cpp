@@ -74,6 +74,13 @@ py::dict in_python(const EstimateOptions& options) {
   if (!state.empty()) all["initial_state"] = state;
   if (!connectors.empty()) all["initial_connector_states"] = connectors;
   give("process_noise", options.process_noise, defaults.process_noise);
+  if (options.adaptive_noise.sensors || options.adaptive_noise.process) {
+    py::dict adaptive;
+    adaptive["sensors"] = options.adaptive_noise.sensors;
+    adaptive["process"] = options.adaptive_noise.process;
+    adaptive["memory"] = options.adaptive_noise.memory;
+    all["adaptive_noise"] = adaptive;
+  }
   give("substeps", options.substeps, defaults.substeps);
   give("step_order", options.step_order, defaults.step_order);
   give("settle", options.settle, defaults.settle);

@@ -90,6 +90,38 @@ py::dict freed_summary(const EstimateResult& result, FreeNumbers how) {
   return summary;
 }
 
+py::dict held_out_sensors_summary(const std::vector<HeldOutSensor>& sensors) {
+  py::dict all;
+  for (const auto& each : sensors) {
+    py::dict entry;
+    entry["unit"] = each.unit;
+    entry["samples"] = each.samples;
+    entry["inside"] = each.inside;
+    entry["motion_std"] = each.motion_deviation;
+    entry["noise_std"] = each.noise;
+    entry["followed_errors"] = each.followed;
+    entry["errors_in_band"] = each.in_band;
+    entry["motion_inside"] = each.motion_inside;
+    entry["holds"] = each.holds();
+    all[py::str(each.name)] = entry;
+  }
+  return all;
+}
+
+py::dict held_out_summary(const EstimateResult& result) {
+  py::dict summary;
+  summary["sensors"] = held_out_sensors_summary(result.held_out_sensors);
+  if (const auto& adapted = result.adapted_process) {
+    py::dict trial;
+    trial["acceleration"] = adapted->density;
+    trial["log_likelihood_gain"] = adapted->gain;
+    trial["mends"] = adapted->mends;
+    trial["sensors"] = held_out_sensors_summary(adapted->sensors);
+    summary["adapted_process_noise"] = trial;
+  }
+  return summary;
+}
+
 py::dict estimation_summary(const EstimateResult& result) {
   py::dict nis, estimation;
   nis["mean"] = number(result.mean_nis(static_cast<double>(result.settled) / result.sample_rate));
@@ -114,6 +146,7 @@ py::dict summary_of(const EstimateResult& result, const EstimateOptions& options
   summary["parameters"] = parameters_summary(result, options);
   summary["estimation"] = estimation_summary(result);
   if (!result.fixed_numbers.empty()) summary["sensitivity"] = sensitivity_summary(result);
+  if (!result.held_out_sensors.empty()) summary["held_out"] = held_out_summary(result);
   if (!result.number_trials.empty()) summary["freed"] = freed_summary(result, options.free);
   return summary;
 }

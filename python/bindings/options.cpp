@@ -184,6 +184,24 @@ std::vector<KnownTo> known_to_of(const py::dict& given) {
   return all;
 }
 
+/// {"process": True, "sensors": False, "memory": 2.0}; nothing for None.
+AdaptiveNoise adaptive_noise_of(const py::object& given) {
+  AdaptiveNoise options;
+  if (given.is_none()) return options;
+  for (const auto& [key, value] : cast_of<py::dict>(given, "adaptive_noise")) {
+    const auto name = cast_of<std::string>(key, "adaptive_noise");
+    const std::string place = entry_of("adaptive_noise", name);
+    if (name == "sensors" || name == "process")
+      (name == "sensors" ? options.sensors : options.process) = cast_of<bool>(value, place);
+    else if (name == "memory")
+      options.memory = number_of(value, "s", place);
+    else
+      throw InvalidInput(place + ": there is no such entry", "", "give sensors, process or memory");
+  }
+  if (!(options.memory > 0.0)) throw InvalidInput("adaptive_noise: memory must be positive", "", "give a time [s]");
+  return options;
+}
+
 EstimateOptions options_of(const Structure& structure, const py::dict& arguments) {
   EstimateOptions options;
   const auto take = [&](const char* name, auto& member) {
@@ -205,6 +223,7 @@ EstimateOptions options_of(const Structure& structure, const py::dict& arguments
   take("passes", options.passes);
   take("settle", options.settle);
   take("diagnose", options.diagnose);
+  if (arguments.contains("adaptive_noise")) options.adaptive_noise = adaptive_noise_of(arguments["adaptive_noise"]);
   if (arguments.contains("known_to")) options.known_to = known_to_of(arguments["known_to"]);
   if (arguments.contains("free")) options.free = free_of(cast_of<std::string>(arguments["free"], "free"));
   if (arguments.contains("second_thoughts")) options.second_thoughts = second_thoughts_of(arguments["second_thoughts"]);

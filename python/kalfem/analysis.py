@@ -49,6 +49,7 @@ def estimate(
     second_thoughts: float | str | None = None,
     known_to: Mapping[str, float | str] | None = None,
     free: str = "ask",
+    adaptive_noise: Mapping[str, Any] | None = None,
     progress: Progress = True,
 ) -> Run:
     """Estimate states and unknown parameters of a structure from a record.
@@ -113,6 +114,9 @@ def estimate(
         Fixed numbers that the record asks to change: ``none`` says nothing of estimating them, ``ask`` tries them as
         unknowns and says in ``run.freed`` which predict the last third of the record better, ``auto`` takes these as
         unknowns: they are among ``run.parameters``.
+    adaptive_noise : dict, optional
+        Noise that the filter finds along the record: ``process`` (a factor on `process_noise`), ``sensors``, each True
+        or False, and ``memory`` [s]. ``run.held_out.adapted`` says whether the first would mend bands that are too narrow.
     progress : bool or callable
         Show a bar, or call a function with the fraction done and words.
 
@@ -162,6 +166,7 @@ def estimate(
         second_thoughts=second_thoughts,
         known_to=known_to,
         free=free,
+        adaptive_noise=adaptive_noise,
     )
     with reporter(progress) as bar:
         summary, datasets = core.estimate(structure, t, y, dict(inputs or {}), arguments, bar)

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from .display import run_html
 from .errors import InvalidInput, Issue, unknown_name
 from .fixed_numbers import FixedNumbers, Freed
+from .held_out import HeldOut
 from .parameters import Parameter, Parameters, Verdict
 from .residuals import Residuals
 from .series import TimeSeries
@@ -115,6 +116,11 @@ class Run:
     def freed(self) -> Freed:
         """Fixed numbers that the record asks to change, tried as unknowns: see :class:`Freed`."""
         return Freed.from_summary(self.summary.get("freed", {}))
+
+    @property
+    def held_out(self) -> HeldOut:
+        """Sensors predicted from all others, as virtual ones: see :class:`HeldOutSensor`."""
+        return HeldOut(self.summary.get("held_out", {}))
 
     @property
     def residuals(self) -> Residuals:

@@ -108,6 +108,8 @@ private:
       estimate.initial_connector_states.push_back({state, {prior, {}, {}}});
     estimate.initial_state_from_record = options_.initial_state_from_record;
     estimate.process_noise.acceleration = options_.process_noise;
+    const auto& [sensors, process, memory] = options_.adaptive_noise;
+    estimate.adaptive_noise = {sensors, process, memory};
     estimate.settle = options_.settle;
     estimate.estimate_initial_state = options_.estimate_initial_state;
     estimate.passes = options_.passes;

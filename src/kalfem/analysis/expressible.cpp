@@ -11,10 +11,12 @@ namespace {
 namespace d = description;
 
 /// Keys of `estimate` that EstimateOptions has a member for.
-const std::vector<std::string> expressed{"filter",  "unknown",       "initial_state",   "initial_state_from_record",
-                                         "settle",  "process_noise", "known_to",        "initial_connector_states",
-                                         "passes",  "substeps",      "step_order",      "estimate_initial_state",
-                                         "threads", "diagnose",      "second_thoughts", "free"};
+const std::vector<std::string> expressed{
+    "filter",        "unknown",       "initial_state",   "initial_state_from_record",
+    "settle",        "process_noise", "known_to",        "initial_connector_states",
+    "passes",        "substeps",      "step_order",      "estimate_initial_state",
+    "threads",       "diagnose",      "second_thoughts", "free",
+    "adaptive_noise"};
 
 void refuse(const d::Case& given, const std::vector<std::string>& key, IssueList& issues) {
   std::string path;

@@ -104,7 +104,9 @@ EstimateOptions options_of(const Study& study, const Record& record) {
           .diagnose = settings.diagnose,
           .second_thoughts = study.description->estimate->second_thoughts,
           .known_to = settings.known_to,
-          .free = settings.free};
+          .free = settings.free,
+          .adaptive_noise = {settings.adaptive_noise.sensors, settings.adaptive_noise.process,
+                             settings.adaptive_noise.memory}};
 }
 
 }  // namespace

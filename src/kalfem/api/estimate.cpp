@@ -11,6 +11,7 @@
 #include "kalfem/diagnosis/look_for_cause.hpp"
 #include "kalfem/identification/fixed_number_study.hpp"
 #include "kalfem/identification/freed_numbers.hpp"
+#include "kalfem/identification/held_out_sensors.hpp"
 #include "kalfem/identification/record_estimate.hpp"
 #include "kalfem/identification/stated_interval.hpp"
 
@@ -200,6 +201,10 @@ EstimateResult estimate(const Structure& structure, const Record& record, const 
   estimate.left_out = estimated.left_out;
   if (estimated.fixed_numbers) estimate.fixed_numbers = effects_of(*estimated.fixed_numbers);
   if (estimated.freed) set_freed(*estimated.freed, estimate);
+  if (estimated.held_out_sensors) {
+    estimate.held_out_sensors = estimated.held_out_sensors->sensors;
+    estimate.adapted_process = estimated.held_out_sensors->adapted;
+  }
   if (estimate.diagnosis) estimate.verdict.add(reasons_of(*estimate.diagnosis, estimate.verdict.state()));
   return estimate;
 }

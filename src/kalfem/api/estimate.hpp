@@ -14,6 +14,7 @@
 #include "kalfem/diagnosis/diagnosis.hpp"
 #include "kalfem/estimation/filter_kind.hpp"
 #include "kalfem/estimation/parameter_transform.hpp"
+#include "kalfem/identification/held_out_sensor.hpp"
 #include "kalfem/identification/known_to.hpp"
 #include "kalfem/identification/point_prior.hpp"
 #include "kalfem/identification/unknown_scores.hpp"
@@ -39,6 +40,13 @@ struct Prior {
 struct UnknownDescription {
   std::string name;
   Prior prior = {};
+};
+
+/// Noise that the filter finds along the record.
+struct AdaptiveNoise {
+  bool sensors = false;  ///< of each sensor, from the stated one on
+  bool process = false;  ///< a factor on EstimateOptions::process_noise
+  double memory = 2.0;   ///< [s] > 0: a sample of that age counts e times less than the present one
 };
 
 /// Settings of an estimation. Everything left out is zero: rest at the start, no process noise.
@@ -84,6 +92,7 @@ struct EstimateOptions {
   /// Fixed numbers that the record asks to change: say nothing of estimating them, try them as unknowns and propose
   /// those that predict the last third of the record better, or take these as unknowns.
   FreeNumbers free = FreeNumbers::ask;
+  AdaptiveNoise adaptive_noise = {};
 };
 
 /// A parameter, estimated at the end of the record.
@@ -189,6 +198,11 @@ struct EstimateResult {
   /// the one with them, and `parameters` hold them behind the given ones.
   std::vector<NumberTrial> number_trials = {};
   std::vector<EstimateMove> moved_by_freed = {};
+  /// Each sensor predicted from all others, as a virtual one; empty: not tried (one sensor, `diagnose` off, innovations
+  /// that contradict the model, or known_to).
+  std::vector<HeldOutSensor> held_out_sensors = {};
+  /// Where a band does not hold: adaptive process noise, tried to mend it.
+  std::optional<AdaptedProcessTrial> adapted_process = {};
 
   /// Whether the filter ran to the end and nothing in its numbers makes them worthless.
   [[nodiscard]] bool usable() const { return verdict.state() != VerdictState::unusable; }

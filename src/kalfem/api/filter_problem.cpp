@@ -205,6 +205,8 @@ private:
     settings.filter = options_.filter;
     settings.initial_state_from_record = options_.initial_state_from_record;
     settings.process_noise.acceleration = options_.process_noise;
+    const auto& [sensors, process, memory] = options_.adaptive_noise;
+    settings.adaptive_noise = {sensors, process, memory};
     settings.estimate_initial_state = options_.estimate_initial_state;
     settings.passes = options_.passes;
     settings.settle = options_.settle;

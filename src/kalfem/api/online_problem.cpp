@@ -31,6 +31,7 @@ void require_online(const Structure& structure, const EstimateOptions& options) 
   refuse(options.initial_state_from_record, "initial_state_from_record");
   refuse(options.passes > 1, "passes");
   refuse(!options.known_to.empty(), "known_to");
+  refuse(options.adaptive_noise.sensors || options.adaptive_noise.process, "adaptive_noise");
   refuse(options.free != FreeNumbers::ask, "free");
   refuse(options.settle.has_value(), "settle");
   refuse_measurement_unknowns(options.unknowns, issues);

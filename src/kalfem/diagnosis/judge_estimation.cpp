@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "kalfem/diagnosis/fixed_number_reasons.hpp"
+#include "kalfem/diagnosis/held_out_reasons.hpp"
 #include "kalfem/identification/parameter_drift.hpp"
 #include "kalfem/identification/stated_interval.hpp"
 
@@ -358,6 +359,7 @@ Verdict verdict_of(const RecordEstimate& estimate) {
   verdict.add(reasons_of_open_loop(estimate));
   verdict.add(reasons_of_length(estimate));
   verdict.add(fixed_number_reasons(estimate));
+  verdict.add(held_out_reasons(estimate));
   verdict.add(reasons_of_change(estimate, verdict.state()));
   return verdict;
 }

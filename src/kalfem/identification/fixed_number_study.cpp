@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "kalfem/base/parallel.hpp"
+#include "kalfem/identification/about_estimates.hpp"
 #include "kalfem/identification/runs_beside.hpp"
 #include "kalfem/identification/white_innovations.hpp"
 #include "kalfem/statistics/quantiles.hpp"
@@ -24,27 +25,6 @@ constexpr double level = 0.005;      ///< of the test of all numbers together
 constexpr double prior_breadth = 20.0, stated_breadth = 300.0;
 constexpr double cost_of_mean = 0.2;      ///< filter steps that a step of the mean alone costs, about
 constexpr double cost_of_tangent = 0.05;  ///< that the tangent of a number adds to it
-
-/// The problem with the unknowns beginning at the estimates, within so many of their deviations: sigma points of a wide
-/// prior see another model than the one that the filter ends with.
-EstimationProblemPtr about_estimates(const EstimationProblem& problem, const RecordEstimate& estimate) {
-  auto about = std::make_shared<EstimationProblem>(problem);
-  const Index last = estimate.result.unknowns.mean.cols() - 1;
-  const double breadth = problem.settings.known_to.empty() ? prior_breadth : stated_breadth;
-  for (std::size_t i = 0; i < about->settings.unknowns.size(); ++i) {
-    auto& unknown = about->settings.unknowns[i];
-    const double value = estimate.result.unknowns.mean(static_cast<Index>(i), last);
-    const double before = unknown.transform.slope(unknown.transform.to_state(unknown.initial));
-    const double slope = unknown.transform.slope(unknown.transform.to_state(value));
-    if (unknown.random_walk > 0.0 || !(slope > 1e-6 * before)) continue;
-    unknown.initial = value;
-    const double own = estimate.result.unknowns.deviation(static_cast<Index>(i), last);
-    unknown.deviation = std::min(unknown.deviation * slope / before, breadth * own);
-  }
-  about->settings.substeps = estimate.augmented_model->options().substeps;
-  about->settings.passes = 1;
-  return about;
-}
 
 /// What the unknowns' narrower priors about the estimates know beyond those of the problem: 1 / variance, in their
 /// units at the estimates; 0 where they are not narrower.
@@ -269,7 +249,7 @@ std::optional<FixedNumberResult> study_fixed_numbers(const EstimationProblemPtr&
                                                      const RecordEstimate& estimate,
                                                      const RecordEstimateOptions& options, StepBudget& budget,
                                                      const ChangedNumbers& changed) try {
-  const EstimationProblemPtr about = about_estimates(*problem, estimate);
+  const EstimationProblemPtr about = about_estimates(*problem, estimate, problem->settings.known_to.empty() ? prior_breadth : stated_breadth);
   RunsBeside runs(about, setup, record, estimate, options, changed);
   const std::size_t count = runs.numbers().size();
   if (count == 0 || runs.memory() > most_memory) return std::nullopt;

@@ -27,6 +27,7 @@ std::string to_string(SecondThoughts thoughts);
 
 struct FixedNumberStudy;
 struct FreedNumbers;
+struct HeldOutStudy;
 struct NumberTrials;
 
 /// What a filter's run over a record gives: the estimates with both their deviations, whether the innovations are
@@ -62,6 +63,8 @@ struct RecordEstimate {
   std::shared_ptr<const FixedNumberStudy> fixed_numbers = {};
   /// What became of the numbers that the record asks to change; null where they were not looked at.
   std::shared_ptr<const FreedNumbers> freed = {};
+  /// Each sensor predicted from all others, as a virtual one; null where that was not tried.
+  std::shared_ptr<const HeldOutStudy> held_out_sensors = {};
   /// What the settings' known_to adds to each unknown [its unit]; empty where nothing is stated. The deviations of
   /// monitored quantities and inputs hold it, and innovations are those with the numbers as the record asks for within
   /// what is stated.
@@ -108,9 +111,9 @@ RecordEstimate estimate_record(const EstimationProblemPtr& problem, const Augmen
 /// unknowns and other process noise (study_process_noise()), the last two unless the settings' `diagnose` is off. Fixed
 /// numbers that the record asks to change are tried as unknowns (try_numbers()); with the settings'
 /// FreeNumbers::automatic the estimate is that with those kept, and its `freed` holds the problem, of which `setup` is
-/// then the filter's model. If linear unknowns end far from the values at which the finite elements were reduced,
-/// reduces these at the estimates, replaces `setup`, and runs over the record again. Throws InvalidInput if a reduction
-/// fails.
+/// then the filter's model. Last, each sensor is held out as a virtual one (study_held_out_sensors()). If linear
+/// unknowns end far from the values at which the finite elements were reduced, reduces these at the estimates, replaces
+/// `setup`, and runs over the record again. Throws InvalidInput if a reduction fails.
 RecordEstimate estimate_record_thoroughly(const EstimationProblemPtr& problem, AugmentedModelSetup& setup,
                                           const Record& record, const RecordEstimateOptions& options = {});
 

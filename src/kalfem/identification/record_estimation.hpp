@@ -44,6 +44,8 @@ public:
   void study_fixed_numbers(StepBudget& budget);
   /// Fixed numbers that the record asks to change, as unknowns: see kalfem::try_numbers().
   [[nodiscard]] NumberTrials try_numbers(StepBudget& budget);
+  /// Sensors as virtual ones, in a run whose innovations agree with its model and that estimates more than they see.
+  void hold_out_sensors(StepBudget& budget);
 
   /// The first answer with fixed numbers at `changed`, and with as many substeps as this one. Nothing where they make
   /// no structure, or the filter stops.

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "kalfem/identification/held_out_sensors.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
 
 namespace kalfem {
@@ -20,6 +21,8 @@ void judge(const Study& study, StudyResults& results) {
   results.identified = identified_case_of(study, results);
   if (estimation && estimation->freed && estimation->freed->problem && !estimation->freed->taken)
     results.proposed = propose(study, estimation->freed->kept());
+  else if (estimation && estimation->held_out_sensors && estimation->held_out_sensors->proposes())
+    results.proposed = propose_adapted_process(study, estimation->held_out_sensors->adapted->density);
 }
 
 void tell_first(const Study& study, const RunOptions& options, EstimationOutcome first, StudyResults& results) {

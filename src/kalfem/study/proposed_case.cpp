@@ -29,22 +29,37 @@ std::string edit_of(const TriedNumber& freed) {
                      unit, shortest(freed.prior), unit);
 }
 
+/// As a file with the keys that the user gave and those edited; nothing where no study can be made of it.
+std::optional<ProposedCase> proposed(const Study& study, const d::Case& edited, std::vector<std::string> edits) try {
+  make_study(edited, study.file);
+  static const auto schema = d::case_schema();
+  const auto written =
+      as_given(schema.write(edited), schema.write(*study.description), study.description->source.root());
+  return ProposedCase{.yaml = to_yaml(*written), .edits = std::move(edits)};
+} catch (const InvalidInput&) {
+  return std::nullopt;
+}
+
 }  // namespace
 
 Study study_with(const Study& study, const std::vector<TriedNumber>& freed) {
   return make_study(case_with(study, freed), study.file);
 }
 
-std::optional<ProposedCase> propose(const Study& study, const std::vector<TriedNumber>& freed) try {
-  study_with(study, freed);
-  static const auto schema = d::case_schema();
-  const auto written = as_given(schema.write(case_with(study, freed)), schema.write(*study.description),
-                                study.description->source.root());
-  ProposedCase proposed{.yaml = to_yaml(*written)};
-  for (const auto& each : freed) proposed.edits.push_back(edit_of(each));
-  return proposed;
-} catch (const InvalidInput&) {
-  return std::nullopt;
+std::optional<ProposedCase> propose(const Study& study, const std::vector<TriedNumber>& freed) {
+  std::vector<std::string> edits;
+  for (const auto& each : freed) edits.push_back(edit_of(each));
+  return proposed(study, case_with(study, freed), std::move(edits));
+}
+
+std::optional<ProposedCase> propose_adapted_process(const Study& study, double density) {
+  d::Case edited = *study.description;
+  const double rounded = std::stod(fmt::format("{:.2g}", density));
+  edited.estimate->process_noise.acceleration = rounded;
+  edited.estimate->adaptive_noise.process = true;
+  return proposed(study, edited,
+                  {fmt::format("estimate.process_noise.acceleration: {} m/s^2/sqrt(Hz)", shortest(rounded)),
+                   "estimate.adaptive_noise.process: true"});
 }
 
 }  // namespace kalfem

@@ -24,4 +24,7 @@ Study study_with(const Study& study, const std::vector<TriedNumber>& freed);
 /// case cannot have them.
 std::optional<ProposedCase> propose(const Study& study, const std::vector<TriedNumber>& freed);
 
+/// The case with process noise of this density [m/s^2/sqrt(Hz)] that the filter adapts.
+std::optional<ProposedCase> propose_adapted_process(const Study& study, double density);
+
 }  // namespace kalfem

@@ -58,6 +58,12 @@ std::span<const ReasonKind> reason_kinds() {
        "model?](fixed-numbers.md)). Where a larger contradiction was looked into, it is the hypothesis "
        "of that name that explains most",
        Gravity::either},
+      {{"band_too_narrow"},
+       "a sensor, predicted from all others as if it were a virtual one, contradicts its band: bands of "
+       "quantities that no sensor measures do not hold ([How well do you know your "
+       "model?](fixed-numbers.md#virtual-sensors))",
+       Gravity::suspicious,
+       false},
       {{"noise_too_large"},
        "innovations are smaller than expected: the noise is stated too large, and the deviations are "
        "too wide",

@@ -57,6 +57,7 @@ std::string consistency_told(const Study& study, const EstimationOutcome& outcom
     text += fmt::format("NIS {:.2f} (expected {:.2f}); {} of samples in the 95 % band\n", outcome.consistency.mean_nis,
                         outcome.consistency.expected_nis, per_cent(outcome.consistency.fraction_in_95));
   text += judged_part_told(study, outcome);
+  if (outcome.held_out_sensors) text += held_out_words(*outcome.held_out_sensors);
   if (outcome.result.noise) text += adaptive_noise_words(outcome);
   if (outcome.frequencies)
     text += "\nNatural frequencies over the record [Hz]\n" + to_text(frequencies_table(*outcome.frequencies)) + "\n";

@@ -7,6 +7,7 @@
 
 #include "kalfem/identification/freed_numbers.hpp"
 #include "kalfem/identification/frequency_course.hpp"
+#include "kalfem/identification/held_out_sensors.hpp"
 #include "kalfem/identification/record_estimate.hpp"
 #include "kalfem/page/page.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
@@ -81,6 +82,11 @@ std::string considered_words(const RecordEstimate& estimate);
 nlohmann::ordered_json freed_summary(const FreedNumbers& freed);
 /// The same in sentences, a line each; empty where none was tried.
 std::string freed_words(const FreedNumbers& freed);
+
+/// The object "held_out": sensors predicted from the others as virtual ones, and the trial of adaptive process noise.
+nlohmann::ordered_json held_out_summary(const HeldOutStudy& study);
+/// The shares inside in a line; a table where a band does not hold.
+std::string held_out_words(const HeldOutStudy& study);
 
 /// Natural frequencies over the record for summary.json: each with its range and its last value.
 nlohmann::ordered_json frequencies_summary(const FrequencyCourse& course);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "kalfem/identification/held_out_sensors.hpp"
 #include "kalfem/page/page.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
 #include "kalfem/study/study.hpp"
@@ -52,6 +53,8 @@ Section process_noise_section(const RecordEstimate& estimate);
 Section sensitivity_section(const RecordEstimate& estimate);
 /// Fixed numbers that were tried as unknowns, and the estimates before and after.
 Section freed_section(const FreedNumbers& freed);
+/// Sensors predicted from the others as virtual ones.
+Section held_out_section(const HeldOutStudy& study);
 /// Natural frequencies over the record: a table, and each over time with its 95 % band.
 Section frequencies_section(const FrequencyCourse& course);
 

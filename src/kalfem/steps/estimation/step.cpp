@@ -87,6 +87,7 @@ void summarise(const Study& study, const StudyResults& results, Json& summary) {
   if (!outcome.process_noise.empty()) estimation["process_noise"] = process_noise_summary(outcome);
   if (outcome.fixed_numbers) summary["sensitivity"] = sensitivity_summary(outcome);
   if (outcome.freed && !outcome.freed->tried.empty()) summary["freed"] = freed_summary(*outcome.freed);
+  if (outcome.held_out_sensors) summary["held_out"] = held_out_summary(*outcome.held_out_sensors);
   if (!outcome.events.empty()) summary["events"] = events_summary(outcome);
   if (outcome.frequencies) summary["frequencies"] = frequencies_summary(*outcome.frequencies);
   if (outcome.smoothed) summary["smoothed"] = smoothed_summary(outcome);
@@ -123,6 +124,7 @@ std::vector<PlacedSection> sections(const Study& study, const StudyResults& resu
   if (auto section = connectors_section(study, outcome); !section.items.empty())
     add(PagePlace::motion, std::move(section));
   add(PagePlace::consistency, consistency_section(outcome));
+  if (outcome.held_out_sensors) add(PagePlace::consistency, held_out_section(*outcome.held_out_sensors));
   return all;
 }
 
