@@ -192,7 +192,7 @@ AdaptiveNoise adaptive_noise_of(const py::object& given) {
     const auto name = cast_of<std::string>(key, "adaptive_noise");
     const std::string place = entry_of("adaptive_noise", name);
     if (name == "sensors" || name == "process")
-      (name == "sensors" ? options.sensors : options.process) = cast_of<bool>(value, place);
+      (name == "sensors" ? options.sensors : options.process) = cast_of<bool>(value, place.c_str());
     else if (name == "memory")
       options.memory = number_of(value, "s", place);
     else

@@ -63,7 +63,7 @@ TEST(HeldOutSensors, OfARightModelLieInTheirBands) {
 }
 
 TEST(HeldOutSensors, WithoutAForceContradictTheirBands) {
-  const auto result = estimated(0.3, 1, options());
+  const auto result = estimated(0.08, 1, options());
   ASSERT_EQ(result.held_out_sensors.size(), 2u);
   const auto doubted = std::ranges::find_if(result.held_out_sensors, [](const auto& each) { return !each.holds(); });
   ASSERT_NE(doubted, result.held_out_sensors.end());

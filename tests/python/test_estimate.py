@@ -231,3 +231,28 @@ def test_two_threads_run_two_filters():
     stopped.set()
     beside.join()
     assert counted > 20  # the interpreter was free while both filters ran
+
+
+def test_sensors_held_out_as_virtual_ones(tmp_path):
+    s = kf.Structure()
+    s.add(kf.lumped("m").mass("1", 2.0).mass("2", 1.0).spring("k", "ground", "1", 2e3, 4.0).spring("k2", "1", "2", 1e3, 2.0))
+    s.force("hammer", "m.1")
+    t = np.arange(2000) / 250
+    inputs = {"hammer": 10 * np.sin(2 * np.pi * (1 + 1.2 * t) * t)}
+    sensors = {"a": kf.acceleration("m.1", noise=0.05), "b": kf.acceleration("m.2", noise=0.05)}
+    unknown = {"m.k.stiffness": (2500, "30 %")}
+    record = kf.simulate(s, t, sensors=sensors, inputs=inputs, seed=1, progress=False)
+    run = kf.estimate(s, t, record, sensors=sensors, inputs=inputs, unknown=unknown, progress=False)
+    assert list(run.held_out) == ["a", "b"]
+    assert all(each.holds and abs(each.inside - 0.95) < 0.02 for each in run.held_out.values())
+    assert run.held_out.adapted is None
+    with pytest.raises(KeyError):
+        run.held_out["c"]
+
+    adaptive = {"process": True, "sensors": False, "memory": 2.0}
+    file = tmp_path / "case.yaml"
+    kf.to_case(s, t, record, inputs=inputs, file=file,
+               estimate={"sensors": sensors, "unknown": unknown, "process_noise": 0.01, "adaptive_noise": adaptive})
+    assert kf.read_case(file).estimate["adaptive_noise"] == adaptive
+    with pytest.raises(kf.InvalidInput, match="adaptive_noise"):
+        kf.estimate(s, t, record, sensors=sensors, inputs=inputs, adaptive_noise={"proces": True}, progress=False)
