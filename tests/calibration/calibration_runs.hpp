@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <random>
 #include <string>
 
 #include <fmt/format.h>
@@ -26,6 +27,32 @@ inline bool is_binomial(int held, int intervals) {
 
 inline bool holds(const ParameterEstimate& found, double truth) {
   return found.interval_95.lower <= truth && truth <= found.interval_95.upper;
+}
+
+/// Intervals and how many of them hold the truth.
+struct Coverage {
+  int held = 0, intervals = 0;
+  void add(bool holds) {
+    held += holds ? 1 : 0;
+    ++intervals;
+  }
+  [[nodiscard]] bool is_binomial() const { return calibration::is_binomial(held, intervals); }
+};
+
+/// Adds what no sensor shows, at one random instant each after the first quarter; the names of what its band does not
+/// hold.
+inline std::string add_unmeasured(const EstimateResult& found, const RandomRecord& given, int seed,
+                                  Coverage& coverage) {
+  std::mt19937_64 generator(static_cast<std::uint64_t>(seed) + 55);
+  std::string missed;
+  for (const auto& [output, truth] : given.unmeasured) {
+    const auto k = std::uniform_int_distribution<Eigen::Index>(truth.size() / 4, truth.size() - 1)(generator);
+    const auto& estimated = found.output(output.name);
+    const double error = (estimated.mean[k] - truth[k]) / estimated.std[k];
+    coverage.add(std::abs(error) <= 1.96);
+    if (!(std::abs(error) <= 1.96)) missed += fmt::format("; {} {:+.1f} deviations", output.name, error);
+  }
+  return missed;
 }
 
 /// The codes of its reasons with their weights, worst first.

@@ -296,6 +296,30 @@ Law nonlinear_mount(Draw& draw, MountLaw which, double size, double k, Made& mad
   return law("bouc_wen", {{"k", kk}, {"alpha", alpha}, {"beta", beta}, {"gamma", beta}, {"c", c}});
 }
 
+std::vector<Unmeasured> unmeasured(std::uint64_t seed, const Made& made, const std::vector<SensorDescription>& sensors,
+                                   const TrueMotion& motion, Index samples) {
+  const std::size_t first = made.points.size() - made.places.size();
+  const auto is_measured = [&](const std::string& point) {
+    return std::ranges::any_of(sensors, [&](const SensorDescription& sensor) {
+      return sensor.output.quantity == ObservedQuantity::displacement &&
+             sensor.output.points == displacement(point).points;
+    });
+  };
+  std::vector<std::size_t> free;
+  for (std::size_t i = 0; i < made.places.size(); ++i)
+    if (!is_measured(made.points[first + i])) free.push_back(i);
+  std::vector<Unmeasured> all;
+  if (!free.empty()) {
+    Draw draw(seed + 1000000);
+    const std::size_t i = free[static_cast<std::size_t>(draw.integer(0, static_cast<int>(free.size()) - 1))];
+    all.push_back({{"motion", displacement(made.points[first + i])},
+                   motion.displacement.rightCols(samples).transpose() * made.places[i]});
+  }
+  if (motion.force.rows() > 0)
+    all.push_back({{"force", connector_force("mount")}, motion.force.row(0).tail(samples).transpose()});
+  return all;
+}
+
 /// One or two forces, or a ground that is accelerated.
 class Drive {
 public:
@@ -376,7 +400,7 @@ RandomRecord random_record(std::uint64_t seed, const RandomRecordOptions& option
   drive.drive(at_truth, rate, lead, samples);
   const TrueMotion motion = integrate(made.system, rate, lead + samples, 4);
 
-  RandomRecord found{.kind = "", .structure = at_truth, .record = {}, .options = {}, .truth = {}};
+  RandomRecord found{.kind = "", .structure = at_truth, .record = {}, .options = {}, .truth = {}, .unmeasured = {}};
   found.slowest = slowest;
   found.record.sample_rate = rate;
   const int sensors = draw.integer(1, std::min<int>(4, static_cast<int>(made.shown.size())));
@@ -421,6 +445,7 @@ RandomRecord random_record(std::uint64_t seed, const RandomRecordOptions& option
     found.truth.push_back(value);
   }
   found.structure = at_truth.at(initial);
+  found.unmeasured = unmeasured(seed, made, found.options.sensors, motion, samples);
   if (lead > 0) {
     const double x = std::sqrt(motion.displacement.squaredNorm() / static_cast<double>(motion.displacement.size()));
     const double v = std::sqrt(motion.velocity.squaredNorm() / static_cast<double>(motion.velocity.size()));

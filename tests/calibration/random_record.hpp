@@ -16,6 +16,12 @@ struct RandomRecordOptions {
   bool from_rest = false;  ///< always; otherwise a quarter of the records start in motion
 };
 
+/// What no sensor shows, and its truth at every sample.
+struct Unmeasured {
+  OutputRequest output;
+  Eigen::VectorXd truth;
+};
+
 /// A record of a random structure and the right model of it: only what is to be estimated is unknown. The truth is
 /// integrated by a method, of matrices and with laws that the tests write down themselves.
 ///
@@ -31,6 +37,9 @@ struct RandomRecord {
   EstimateOptions options;    ///< unknowns with initial values drawn from their priors
   std::vector<double> truth;  ///< of the unknowns
   double slowest = 0.0;       ///< natural frequency [Hz]
+  /// Displacement of a point where no sensor of it stands, and the force of the nonlinear element; `options` do not
+  /// ask for them.
+  std::vector<Unmeasured> unmeasured;
 };
 
 RandomRecord random_record(std::uint64_t seed, const RandomRecordOptions& options = {});

@@ -100,9 +100,11 @@ TEST(SmallMistakes, AreNotSilentlyWrong) {
 // Every number of the model is off by what is stated of it.
 TEST(StatedNumbers, StandInTheIntervals) {
   const int first = number("KALFEM_FIRST", 1), count = number("KALFEM_COUNT", 400);
-  int consistent = 0, held = 0, intervals = 0;
+  int consistent = 0;
+  Coverage parameters, unmeasured;
   for (int seed = first; seed < first + count; ++seed) {
     auto given = random_record(static_cast<std::uint64_t>(seed));
+    for (const auto& each : given.unmeasured) given.options.outputs.push_back(each.output);
     given.options.known_to = {{.name = "masses", .deviation = 0.01},
                               {.name = "stiffnesses", .deviation = 0.03},
                               {.name = "gains", .deviation = 0.02},
@@ -123,11 +125,10 @@ TEST(StatedNumbers, StandInTheIntervals) {
     const auto found = estimate(model, record, given.options);
     const bool right = found.verdict.state() == VerdictState::consistent;
     consistent += right ? 1 : 0;
-    std::string missed;
+    std::string missed = add_unmeasured(found, given, seed, unmeasured);
     for (std::size_t i = 0; i < given.truth.size(); ++i) {
       const auto& each = found.parameters[i];
-      ++intervals;
-      if (holds(each, given.truth[i])) ++held;
+      parameters.add(holds(each, given.truth[i]));
       if (!holds(each, given.truth[i]) || !right)
         missed += fmt::format("; {} {:.4g} (std {:.2g}, robust {:.2g}, considered {:.2g}) for {:.4g}", each.name,
                               each.mean, each.std, each.std_robust, each.std_considered, given.truth[i]);
@@ -136,9 +137,12 @@ TEST(StatedNumbers, StandInTheIntervals) {
       std::cout << seed << " " << given.kind << ": " << to_string(found.verdict.state()) << codes_of(found.verdict)
                 << missed << std::endl;
   }
-  std::cout << fmt::format("{} of {} consistent, {} of {} intervals true\n", consistent, count, held, intervals);
+  std::cout << fmt::format(
+      "{} of {} consistent, {} of {} intervals of parameters true, {} of {} of what no sensor shows\n", consistent,
+      count, parameters.held, parameters.intervals, unmeasured.held, unmeasured.intervals);
   EXPECT_GE(consistent, 0.93 * count);
-  EXPECT_TRUE(is_binomial(held, intervals));
+  EXPECT_TRUE(parameters.is_binomial());
+  EXPECT_TRUE(unmeasured.is_binomial());
 }
 
 }  // namespace

@@ -61,6 +61,15 @@ public:
     return f;
   }
 
+  [[nodiscard]] VectorXd forces(const VectorXd& y) const {
+    VectorXd forces(static_cast<Index>(places_.size()));
+    for (std::size_t j = 0; j < places_.size(); ++j) {
+      const auto [d, v, z] = arguments(j, y);
+      forces[static_cast<Index>(j)] = system_.local[j].force(d, v, z);
+    }
+    return forces;
+  }
+
   /// The largest displacement, velocity and state, each in the place of all of its kind.
   [[nodiscard]] VectorXd sizes(const VectorXd& y) const {
     const Index n = system_.dofs();
@@ -175,13 +184,15 @@ TrueMotion integrate(const TrueSystem& system, double rate, Index samples, int s
   const double step = 1.0 / (rate * steps);
   Radau radau(form, step);
   const Index n = system.dofs();
-  TrueMotion motion{MatrixXd(n, samples), MatrixXd(n, samples), MatrixXd(n, samples)};
+  TrueMotion motion{MatrixXd(n, samples), MatrixXd(n, samples), MatrixXd(n, samples),
+                    MatrixXd(static_cast<Index>(system.local.size()), samples)};
   VectorXd y = VectorXd::Zero(form.size());
   for (Index k = 0; k < samples; ++k) {
     const double t = static_cast<double>(k) / rate;
     motion.displacement.col(k) = y.head(n);
     motion.velocity.col(k) = y.segment(n, n);
     motion.acceleration.col(k) = form.flow(form.loaded(t), y).segment(n, n);
+    motion.force.col(k) = form.forces(y);
     for (int i = 0; i < steps; ++i) radau.advance(y, t + i * step);
   }
   if (!motion.acceleration.allFinite()) throw std::runtime_error("the true motion is not finite");

@@ -26,6 +26,7 @@ struct TrueSystem {
 /// The motion from rest at time 0, one column a sample at k / rate.
 struct TrueMotion {
   Eigen::MatrixXd displacement, velocity, acceleration;
+  Eigen::MatrixXd force;  ///< one row a local force
 };
 
 /// By the Radau IIA method of three stages, of order 5 and L-stable (Hairer and Wanner, Solving Ordinary Differential

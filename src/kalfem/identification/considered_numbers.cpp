@@ -88,13 +88,17 @@ double RecordEstimation::log_likelihood() const {
   return log_likelihood_from(estimate_.result, estimate_.settled) + jacobian;
 }
 
+void RecordEstimation::widen_monitored(const MatrixXd& added) {
+  widen(added, estimate_.result.monitored, estimate_.inputs);
+  if (estimate_.smoothed) widen(added, estimate_.smoothed->monitored, estimate_.smoothed_inputs);
+}
+
 /// Innovations are those with the fixed numbers as the record asks for within what is stated. Where these agree with
 /// the model, scores that the numbers bend widen no deviation.
 void RecordEstimation::take_considered(const ConsideredNumbers& considered) {
   auto& result = estimate_.result;
   estimate_.considered_deviation = estimate_.fixed_numbers->considered.rowwise().norm();
-  widen(considered.monitored, result.monitored, estimate_.inputs);
-  if (estimate_.smoothed) widen(considered.monitored, estimate_.smoothed->monitored, estimate_.smoothed_inputs);
+  widen_monitored(considered.monitored);
   const WhiteInnovations whiten(result);
   result.innovation += considered.innovation;
   const VectorXd nis = whiten(result.innovation).colwise().squaredNorm();

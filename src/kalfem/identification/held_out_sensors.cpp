@@ -9,6 +9,7 @@
 #include "kalfem/identification/about_estimates.hpp"
 #include "kalfem/identification/freed_numbers.hpp"
 #include "kalfem/identification/record_estimation.hpp"
+#include "kalfem/identification/robust_deviations.hpp"
 #include "kalfem/statistics/motion_errors.hpp"
 #include "kalfem/statistics/quantiles.hpp"
 
@@ -88,7 +89,7 @@ public:
 
   [[nodiscard]] FilteredRecord run(std::optional<Index> without) const {
     const auto& settings = problem_->settings;
-    EstimationOptions options = rerun_options(settings.filter, settings, estimate_);
+    EstimationOptions options = rerun_options({}, settings, estimate_);
     options.threads = 1;
     if (without) options.held_out.push_back({*without, 0, record_.samples()});
     return run_filter(problem_, setup_, record_, options);
@@ -101,7 +102,7 @@ public:
     for_each_index(channels.size(), filter_threads(problem_->settings), [&](std::size_t i) {
       const FilteredRecord filtered = run(channels[i]);
       if (filtered.result.failure) return;
-      const auto samples = samples_of(channels[i], filtered, estimate_.settled);
+      const auto samples = samples_of(channels[i], filtered, first_counted());
       const auto& channel = filtered.run.input.measured.channels[static_cast<std::size_t>(channels[i])];
       if (samples.error.size() >= fewest_samples) found[i] = judged(channel, samples, sensors);
     });
@@ -109,6 +110,12 @@ public:
   }
 
 private:
+  /// What a wide first guess of the motion bends in a nonlinear model dies out more slowly without a sensor.
+  [[nodiscard]] Index first_counted() const {
+    const bool guessed = estimate_.start.moving || !problem_->settings.initial_state.empty();
+    return guessed ? std::max(estimate_.settled, record_.samples() / 2) : estimate_.settled;
+  }
+
   EstimationProblemPtr problem_;
   AugmentedModelSetup setup_;
   const Record& record_;

@@ -32,7 +32,8 @@ struct HeldOutStudy {
 /// motion_errors() of n samples exceed
 ///     chi2_f(1 - a) + n w chi2_1(1 - a),   a = .01 / (2 sensors),
 /// in less than one of a hundred runs: the second term allows for one error that all of P stands for. Nothing with
-/// fewer than two sensors, for a failed estimate, and where the start is read from displacement sensors.
+/// fewer than two sensors, for a failed estimate, and where the start is read from displacement sensors. Of a record
+/// that starts in motion the second half counts.
 ///
 /// Where a band does not hold, the filter runs with process noise that it adapts, from 1, 3 and 10 % of the motion's
 /// accelerations; the likeliest is tried on the same sensors (`trial`: whether it is).

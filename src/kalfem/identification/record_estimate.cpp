@@ -100,6 +100,7 @@ bool take_with(const EstimationProblemPtr& with, AugmentedModelSetup& setup, con
   estimation.settle_substeps(budget);
   renew_bases(with, setup, record, options, budget, estimation);
   estimation.confirm_by_second_pass(budget);
+  estimation.widen_by_step(budget);
   estimation.study_fixed_numbers(budget);
   return true;
 }
@@ -216,6 +217,7 @@ RecordEstimate estimate_record_thoroughly(const EstimationProblemPtr& problem, A
   estimation.confirm_by_second_pass(budget);
   if (!problem->settings.known_to.empty()) move_within_stated(estimation);
   estimation.look_for_jump(budget);
+  estimation.widen_by_step(budget);
   estimation.study_fixed_numbers(budget);
   free_numbers(problem, setup, record, options, budget, estimation);
   estimation.study_process_noise(budget);

@@ -29,7 +29,8 @@ constexpr double what_matters = 0.3;            ///< standard deviations by whic
 constexpr double change_beyond_steps = 100.0;
 /// Mean NIS over what is expected: a run that contradicts itself, and by how much rest must be better.
 constexpr double contradicting_nis = 2.0, far_less = 0.5;
-constexpr Index first_samples = 20;  ///< by which a start is told from spikes, and more
+constexpr double most_of_gains = 2e8;  ///< [byte]
+constexpr Index first_samples = 20;    ///< by which a start is told from spikes, and more
 
 /// Takes the rows of unknown inputs, which stand behind the monitored quantities.
 std::vector<EstimatedInput> take_inputs(const std::vector<UnknownInput>& inputs, EstimatedSeries& monitored) {
@@ -140,8 +141,16 @@ bool moves(const RecordEstimate& before, const RecordEstimate& after) {
   return (distance > what_matters * deviation.rightCols(1).array()).any();
 }
 
+/// Whether the run is judged by its gains, see RecordEstimation::widen_by_step().
+bool keeps_gains(const EstimationProblem& problem, const AugmentedModelSetup& setup, const Record& record,
+                 const RecordEstimateOptions& options) {
+  const auto states = static_cast<double>(2 * setup.model->system().size() + std::ssize(setup.options.unknowns));
+  const double memory = sizeof(double) * states * static_cast<double>(std::ssize(setup.sensors) * record.samples());
+  return !options.monitored.empty() && !problem.settings.substeps && memory <= most_of_gains;
+}
+
 EstimationOptions filter_options(const EstimationProblem& problem, const AugmentedModelSetup& setup,
-                                 const RecordEstimateOptions& options) {
+                                 const Record& record, const RecordEstimateOptions& options) {
   const auto& settings = problem.settings;
   return {.unscented = settings.unscented,
           .threads = filter_threads(settings),
@@ -149,6 +158,7 @@ EstimationOptions filter_options(const EstimationProblem& problem, const Augment
           .state_deviations = false,
           .deviation_stride = options.deviation_stride,
           .keep_unknowns = true,
+          .keep_gains = keeps_gains(problem, setup, record, options),
           .step_shift = can_judge_step(settings) && !settings.substeps && !setup.substeps,
           .adaptive_noise = settings.adaptive_noise,
           .monitored = with_inputs(make_outputs(*setup.model, options.monitored),
@@ -215,7 +225,7 @@ void RecordEstimation::run_first() {
   if (given) choice = {.substeps = *given, .words = "given"};
   if (!given && setup_.substeps) choice = *setup_.substeps;
   const auto screen = [&](int substeps) {
-    screening_.emplace(problem_, setup_, record_, filter_options(*problem_, setup_, options_));
+    screening_.emplace(problem_, setup_, record_, filter_options(*problem_, setup_, record_, options_));
     return screening_->run(substeps);
   };
   FilteredRecord filtered = screen(choice.substeps);
@@ -240,7 +250,7 @@ void RecordEstimation::run_first() {
 void RecordEstimation::try_rest(FilteredRecord& filtered, int substeps) {
   AugmentedModelSetup from_rest = setup_;
   from_rest.starts_at_rest = true;
-  Screening screening(problem_, from_rest, record_, filter_options(*problem_, setup_, options_));
+  Screening screening(problem_, from_rest, record_, filter_options(*problem_, setup_, record_, options_));
   FilteredRecord at_rest = screening.run(substeps);
   const bool better = relative_nis(at_rest, first_samples) < far_less * relative_nis(filtered, first_samples);
   other_steps_ += better ? screening_->steps() : screening.steps();
@@ -321,8 +331,8 @@ void RecordEstimation::settle_substeps(StepBudget& budget) {
     estimate_.substeps = std::move(choice);
 }
 
-/// The run of the estimate, with fewer substeps where it has many.
-FilterRun RecordEstimation::coarse_run(int substeps) const {
+/// The run of the estimate with so many substeps.
+FilterRun RecordEstimation::run_with(int substeps) const {
   AugmentedModelSetup setup = screening_->setup();
   setup.starts_at_rest = !estimate_.start.moving;
   setup.options.substeps = substeps;
@@ -341,12 +351,12 @@ void RecordEstimation::look_for_jump(StepBudget& budget) {
   const bool limited = budget.is_limited();
   const int substeps = std::min(limited ? limited_jump_substeps : most_jump_substeps, estimate_.substeps.substeps);
   const std::optional<FilterRun> coarse =
-      estimate_.substeps.substeps > substeps ? std::optional(coarse_run(substeps)) : std::nullopt;
+      estimate_.substeps.substeps > substeps ? std::optional(run_with(substeps)) : std::nullopt;
   const FilterRun& run = coarse ? *coarse : *run_;
   looked_for_change_ = true;
   EstimationOptions options = screening_->options();
   options.filter = run.choice.filter;
-  options.step_shift = false;
+  options.step_shift = options.keep_gains = false;
   const auto search = find_parameter_jump(*run.choice.augmented_model, run.input, options, estimate_.result,
                                           estimate_.settled, static_cast<double>(record_.samples()) * substeps, budget);
   if (search.stopped) estimate_.leave_out("a change of an unknown within the record");

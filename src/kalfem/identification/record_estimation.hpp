@@ -40,6 +40,8 @@ public:
   void look_for_jump(StepBudget& budget);
   /// Whether the estimates change along the record by more than what substeps leave in them.
   [[nodiscard]] bool shows_a_change() const;
+  /// Bands of monitored quantities hold what a step four times as fine changes in them, with the run's gains.
+  void widen_by_step(StepBudget& budget);
   void study_process_noise(StepBudget& budget);
   void study_fixed_numbers(StepBudget& budget);
   /// Fixed numbers that the record asks to change, as unknowns: see kalfem::try_numbers().
@@ -73,7 +75,9 @@ private:
   void evaluate(FilteredRecord filtered, SubstepChoice substeps);
   void add_event_of_change();
   void take_considered(const ConsideredNumbers& considered);
-  [[nodiscard]] FilterRun coarse_run(int substeps) const;
+  void widen_monitored(const Eigen::MatrixXd& added);
+  [[nodiscard]] FilterRun run_with(int substeps) const;
+  [[nodiscard]] std::optional<Eigen::MatrixXd> monitored_with(int substeps) const;
 
   std::shared_ptr<const Given> given_;
   EstimationProblemPtr problem_;  ///< with gains, delays and noise at their likeliest, once these are found
