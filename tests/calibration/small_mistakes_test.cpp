@@ -135,7 +135,7 @@ TEST(StatedNumbers, StandInTheIntervals) {
     }
     if (!missed.empty())
       std::cout << seed << " " << given.kind << ": " << to_string(found.verdict.state()) << codes_of(found.verdict)
-                << missed << std::endl;
+                << missed << (right ? "" : "; " + found.verdict.reasons().front().text) << std::endl;
   }
   std::cout << fmt::format(
       "{} of {} consistent, {} of {} intervals of parameters true, {} of {} of what no sensor shows\n", consistent,

@@ -17,6 +17,8 @@ using Eigen::VectorXd;
 
 namespace {
 
+constexpr std::size_t most_learnt = 12;  ///< numbers that a filter has as unknowns beside the given ones
+
 void widen(const MatrixXd& added, EstimatedSeries& series) {
   series.deviation = (series.deviation.cwiseAbs2() + added.cwiseAbs2()).cwiseSqrt();
 }
@@ -73,6 +75,52 @@ std::optional<RecordEstimation> RecordEstimation::with_numbers(const ChangedNumb
   StepBudget unlimited;
   other.repeat_from_estimates(unlimited);
   return other;
+} catch (const InvalidInput&) {
+  return std::nullopt;
+}
+
+namespace {
+
+/// Stated numbers of the structure, those first that move the record most within what is stated.
+std::vector<Index> most_telling(const FixedNumberStudy& study) {
+  std::vector<Index> telling;
+  const auto weight = [&](Index i) {
+    const double deviation = study.numbers[static_cast<std::size_t>(i)].deviation;
+    return study.information(i, i) * deviation * deviation;
+  };
+  for (Index i = 0; i < study.size(); ++i)
+    if (study.numbers[static_cast<std::size_t>(i)].parameter && weight(i) > 1.0) telling.push_back(i);
+  std::ranges::stable_sort(telling, std::ranges::greater{}, weight);
+  if (telling.size() > most_learnt) telling.resize(most_learnt);
+  return telling;
+}
+
+}  // namespace
+
+std::optional<VectorXd> RecordEstimation::learnt_numbers(const FixedNumberStudy& study) const try {
+  const std::vector<Index> telling = most_telling(study);
+  if (telling.empty()) return std::nullopt;
+  EstimationProblemPtr with = given_->problem;
+  for (const Index i : telling) {
+    const auto& number = study.numbers[static_cast<std::size_t>(i)];
+    with = with_unknown(*with, number, number.deviation * number.scale);
+  }
+  IssueList issues;
+  auto setup = make_augmented_model_setup(*with, *given_->setup.parts, given_->setup.linear_unknowns.present, issues);
+  issues.raise();
+  setup.substeps = estimate_.substeps;
+  RecordEstimation other(with, std::move(setup), given_->record, options_);
+  other.answer();
+  const auto& result = other.estimate().result;
+  if (result.failure) return std::nullopt;
+  VectorXd changes = VectorXd::Zero(study.size());
+  const VectorXd learnt = result.unknowns.mean.rightCols(1);
+  for (std::size_t n = 0; n < telling.size(); ++n) {
+    const auto& number = study.numbers[static_cast<std::size_t>(telling[n])];
+    const Index row = learnt.size() - std::ssize(telling) + static_cast<Index>(n);
+    changes[telling[n]] = (learnt[row] - number.value) / number.scale;
+  }
+  return changes;
 } catch (const InvalidInput&) {
   return std::nullopt;
 }

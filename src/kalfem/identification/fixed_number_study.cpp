@@ -223,7 +223,15 @@ private:
 bool FixedNumberStudy::is_significant(Index i) const {
   const double expected = std::hypot(numbers[static_cast<std::size_t>(i)].deviation, asked_deviation[i]);
   const double limit = normal_quantile(1.0 - 0.5 * level / static_cast<double>(size()));
-  return std::isfinite(expected) && std::abs(asked[i]) > limit * expected;
+  return std::isfinite(expected) && std::abs(asked[i]) > limit * expected * room(i);
+}
+
+/// What is stated in parts of the held value may be meant of the true one: 20 % of it are less than of what is asked
+/// for.
+double FixedNumberStudy::room(Index i) const {
+  const auto& number = numbers[static_cast<std::size_t>(i)];
+  const bool relative = number.deviation > 0.0 && number.scale == std::abs(number.value);
+  return relative ? std::max(1.0, 1.0 + asked[i]) : 1.0;
 }
 
 double FixedNumberStudy::promised_rise(Index i) const {
@@ -249,7 +257,8 @@ std::optional<FixedNumberResult> study_fixed_numbers(const EstimationProblemPtr&
                                                      const RecordEstimate& estimate,
                                                      const RecordEstimateOptions& options, StepBudget& budget,
                                                      const ChangedNumbers& changed) try {
-  const EstimationProblemPtr about = about_estimates(*problem, estimate, problem->settings.known_to.empty() ? prior_breadth : stated_breadth);
+  const EstimationProblemPtr about =
+      about_estimates(*problem, estimate, problem->settings.known_to.empty() ? prior_breadth : stated_breadth);
   RunsBeside runs(about, setup, record, estimate, options, changed);
   const std::size_t count = runs.numbers().size();
   if (count == 0 || runs.memory() > most_memory) return std::nullopt;

@@ -44,6 +44,8 @@ struct FixedNumberStudy {
   /// Whether the change that the record asks for is significant at .5 % over all numbers together, beyond what is
   /// stated of the number.
   [[nodiscard]] bool is_significant(Eigen::Index i) const;
+  /// By which what is stated of number i may be larger, counted from what the record asks for.
+  [[nodiscard]] double room(Eigen::Index i) const;
   /// Number i at what is asked for, though not further than `most` from where it stands; the stated ones as it then
   /// allows them.
   [[nodiscard]] Eigen::VectorXd with_asked(Eigen::Index i, double most) const;

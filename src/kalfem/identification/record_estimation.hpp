@@ -52,6 +52,9 @@ public:
   /// The first answer with fixed numbers at `changed`, and with as many substeps as this one. Nothing where they make
   /// no structure, or the filter stops.
   [[nodiscard]] std::optional<RecordEstimation> with_numbers(const ChangedNumbers& changed, NoiseOfSensors noise) const;
+  /// Changes of the stated numbers of the structure at which a filter ends that has the most telling of them as
+  /// unknowns too; nothing where it stops.
+  [[nodiscard]] std::optional<Eigen::VectorXd> learnt_numbers(const FixedNumberStudy& study) const;
   /// What the record says of the fixed numbers, about where this estimation stands; see kalfem::study_fixed_numbers().
   [[nodiscard]] std::optional<FixedNumberResult> study_numbers(StepBudget& budget) const;
   /// ln L of the recorded samples that are judged.

@@ -59,19 +59,37 @@ std::optional<Stand> approach(const RecordEstimation& held, const Stand& from) {
   return std::nullopt;
 }
 
+bool agrees(const std::optional<Stand>& stand) {
+  if (!stand) return false;
+  const RecordEstimate& estimate = stand->estimation.estimate();
+  return !innovations_contradict(estimate, estimate.settled);
+}
+
+/// To the maximum, as far as the steps lead there.
+std::optional<Stand> climbed(const RecordEstimation& held, std::optional<Stand> stand) {
+  for (int move = 0; stand && move < most_moves && stand->promises() > promised; ++move) {
+    auto next = approach(held, *stand);
+    if (!next) break;
+    stand = std::move(next);
+  }
+  return stand;
+}
+
+/// From where a filter that has the numbers as unknowns ends: it learns them along the record, before an oscillation
+/// that they detune is out of step, where the derivatives about a run no longer tell where to go.
+std::optional<Stand> learnt_stand(const RecordEstimation& held, const FixedNumberStudy& study) {
+  const auto changes = held.learnt_numbers(study);
+  if (!changes) return std::nullopt;
+  return climbed(held, stand_of(held.with_numbers({study.numbers, *changes}, NoiseOfSensors::stated)));
+}
+
 }  // namespace
 
 void move_within_stated(RecordEstimation& estimation) {
   if (estimation.estimate().result.failure || !contradicts_itself(estimation.estimate())) return;
-  auto stand = first_stand(estimation);
-  for (int move = 0; stand && move < most_moves && stand->promises() > promised; ++move) {
-    auto next = approach(estimation, *stand);
-    if (!next) break;
-    stand = std::move(next);
-  }
-  if (!stand) return;
-  const RecordEstimate& moved = stand->estimation.estimate();
-  if (!innovations_contradict(moved, moved.settled)) estimation = std::move(stand->estimation);
+  auto stand = climbed(estimation, first_stand(estimation));
+  if (stand && !agrees(stand)) stand = learnt_stand(estimation, stand->study);
+  if (agrees(stand)) estimation = std::move(stand->estimation);
 }
 
 }  // namespace kalfem
