@@ -70,6 +70,8 @@ std::optional<RecordEstimation> RecordEstimation::with_numbers(const ChangedNumb
     other.problem_ = std::move(problem);
   }
   other.setup_.substeps = estimate_.substeps;
+  other.looked_for_change_ = false;
+  other.estimate_.jump.reset();
   other.run_first();
   if (other.estimate_.result.failure) return std::nullopt;
   StepBudget unlimited;

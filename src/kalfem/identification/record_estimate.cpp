@@ -215,8 +215,10 @@ RecordEstimate estimate_record_thoroughly(const EstimationProblemPtr& problem, A
   estimation.settle_substeps(budget);
   renew_bases(problem, setup, record, options, budget, estimation);
   estimation.confirm_by_second_pass(budget);
-  if (!problem->settings.known_to.empty()) move_within_stated(estimation);
+  const bool stated = !problem->settings.known_to.empty();
+  const bool moved = stated && move_within_stated(estimation);
   estimation.look_for_jump(budget);
+  if (stated && !moved && estimate.jump && move_within_stated(estimation)) estimation.look_for_jump(budget);
   estimation.widen_by_step(budget);
   estimation.study_fixed_numbers(budget);
   free_numbers(problem, setup, record, options, budget, estimation);

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kalfem/identification/record_estimation.hpp"
 
+#include <algorithm>
+
 #include "kalfem/identification/robust_deviations.hpp"
+#include "kalfem/statistics/quantiles.hpp"
 
 namespace kalfem {
 
@@ -13,6 +16,7 @@ namespace {
 constexpr int first_moves = 3;     ///< with noise as the record shows it; the last of them without
 constexpr int most_moves = 12;     ///< behind these
 constexpr int most_halvings = 3;   ///< of one
+constexpr double unlikely = 1e-3;  ///< of a distance from what is stated
 constexpr double promised = 0.02;  ///< rise of the logarithm of the posterior that is not worth another move
 
 /// An estimation with its numbers somewhere, and where the record would have them.
@@ -65,6 +69,19 @@ bool agrees(const std::optional<Stand>& stand) {
   return !innovations_contradict(estimate, estimate.settled);
 }
 
+/// Whether the numbers lie where what is stated of them has them together; elsewhere there may be a maximum, but hardly
+/// the highest.
+bool is_likely(const Stand& stand) {
+  const auto stated = std::ranges::count_if(stand.study.numbers, [](const auto& each) { return each.deviation > 0.0; });
+  const double distance = 2.0 * pull(stand.study.numbers, stand.study.stands_at);
+  return distance < chi_squared_quantile(1.0 - unlikely, static_cast<double>(stated));
+}
+
+std::optional<Stand> likelier(std::optional<Stand> one, std::optional<Stand> other) {
+  if (!agrees(one) || !agrees(other)) return agrees(one) ? std::move(one) : std::move(other);
+  return one->log_posterior() >= other->log_posterior() ? std::move(one) : std::move(other);
+}
+
 /// To the maximum, as far as the steps lead there.
 std::optional<Stand> climbed(const RecordEstimation& held, std::optional<Stand> stand) {
   for (int move = 0; stand && move < most_moves && stand->promises() > promised; ++move) {
@@ -85,11 +102,17 @@ std::optional<Stand> learnt_stand(const RecordEstimation& held, const FixedNumbe
 
 }  // namespace
 
-void move_within_stated(RecordEstimation& estimation) {
-  if (estimation.estimate().result.failure || !contradicts_itself(estimation.estimate())) return;
+bool move_within_stated(RecordEstimation& estimation) {
+  const RecordEstimate& held = estimation.estimate();
+  if (held.result.failure || !(contradicts_itself(held) || held.jump)) return false;
   auto stand = climbed(estimation, first_stand(estimation));
-  if (stand && !agrees(stand)) stand = learnt_stand(estimation, stand->study);
-  if (agrees(stand)) estimation = std::move(stand->estimation);
+  if (stand && !(agrees(stand) && is_likely(*stand))) {
+    auto learnt = learnt_stand(estimation, stand->study);
+    stand = likelier(std::move(stand), std::move(learnt));
+  }
+  if (!agrees(stand)) return false;
+  estimation = std::move(stand->estimation);
+  return true;
 }
 
 }  // namespace kalfem
