@@ -21,7 +21,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// The updated parameters with their values, then the parameters that the modification sets.
+/// The updated parameters with their values, the stated numbers of the structure, then the parameters that the
+/// modification sets.
 struct Changes {
   std::vector<StructureBinding> bindings;
   std::vector<double> values;
@@ -36,8 +37,11 @@ Changes changes_of(const Study& study, const StructuralModification& modificatio
                    const std::optional<UpdatedParameters>& updating) {
   Changes changes;
   if (updating) {
-    changes.bindings = study.updating->bindings;
+    const bool considers = updating->considered.has_value();
+    changes.bindings = (considers ? study.updating_plan->wide->setup : *study.updating).bindings;
     changes.values.assign(updating->values.begin(), updating->values.end());
+    for (const auto& number : study.updating_plan->stated)
+      if (considers && number.parameter) changes.values.push_back(number.value);
   }
   for (const auto& [parameter, value] : modification.set) {
     // A value that the modification sets replaces the updated one.
@@ -106,6 +110,29 @@ VectorXd propagated_deviations(const MatrixXd& slopes, const ParameterStatistics
   return deviations;
 }
 
+/// What stated numbers add, the updated parameters following them. `slopes`: of the parameters, then of the numbers of
+/// the structure.
+VectorXd considered_deviations(const MatrixXd& slopes, const std::vector<FixedNumber>& numbers,
+                               const Considered& considered) {
+  const Index parameters = considered.shift.rows();
+  VectorXd variance = VectorXd::Zero(slopes.rows());
+  Index column = parameters;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    VectorXd moved = slopes.leftCols(parameters) * considered.shift.col(static_cast<Index>(i));
+    if (numbers[i].parameter) moved += numbers[i].scale * slopes.col(column++);
+    variance += (numbers[i].deviation * moved).cwiseAbs2();
+  }
+  return variance.cwiseSqrt();
+}
+
+void set_deviations(const MatrixXd& slopes, const Study& study, const UpdatedParameters& updating,
+                    StructuralModificationResult& result) {
+  result.deviations = propagated_deviations(slopes.leftCols(updating.values.size()), updating.statistics);
+  if (!updating.considered) return;
+  result.considered = considered_deviations(slopes, study.updating_plan->stated, *updating.considered);
+  result.deviations = (result.deviations.cwiseAbs2() + result.considered.cwiseAbs2()).cwiseSqrt();
+}
+
 }  // namespace
 
 std::vector<StructuralModification> make_modifications(const CaseStudy& study, IssueList& issues) {
@@ -153,12 +180,10 @@ std::vector<StructuralModificationResult> predict_modifications(const Study& stu
     try {
       const auto model = structure.model_of(modification.substructure);
       const ModeRange range = modes_above(model->at(values).model, modification.above, modification.modes);
-      results.push_back({modification.name.value, modification.substructure, range.frequencies(), {}});
+      results.push_back({modification.name.value, modification.substructure, range.frequencies(), {}, {}});
       if (updating) {
-        auto derivatives = model->derivatives(values);
-        derivatives.resize(updating->values.size());  // those of the updated parameters stand first
-        results.back().deviations =
-            propagated_deviations(frequency_derivatives(range, derivatives), updating->statistics);
+        const MatrixXd slopes = frequency_derivatives(range, model->derivatives(values));
+        set_deviations(slopes, study, *updating, results.back());
       }
     } catch (const InvalidInput& error) {
       IssueList issues;

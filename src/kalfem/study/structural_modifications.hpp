@@ -2,7 +2,7 @@
 #pragma once
 
 #include "kalfem/study/study.hpp"
-#include "kalfem/updating/parameter_statistics.hpp"
+#include "kalfem/updating/considered.hpp"
 
 namespace kalfem {
 
@@ -13,22 +13,27 @@ std::vector<StructuralModification> make_modifications(const CaseStudy& study, I
 
 /// For reports: the errors that the standard deviations of predicted frequencies leave out.
 inline constexpr const char* deviations_leave_out =
-    "The standard deviations are propagated from those of the updated parameters, to first order. They do not include "
-    "errors of the model's form, of the values that the modification sets, or of the positions of its masses.";
+    "The standard deviations are propagated from those of the updated parameters and of numbers that `known_to` "
+    "states, "
+    "to first order. They do not include errors of other numbers and of the model's form, of the values that the "
+    "modification sets, or of the positions of its masses.";
 
 /// Natural frequencies of the updated structure after a change.
 struct StructuralModificationResult {
   std::string name, substructure;
   Eigen::VectorXd frequencies;  ///< [Hz]
-  /// Standard deviations of `frequencies` [Hz] due to the updated parameters, see predict_modifications(). Infinite if
-  /// the measurements do not determine a parameter on which the frequency depends. Empty without an updating.
+  /// Standard deviations of `frequencies` [Hz] due to the updated parameters and to stated numbers, see
+  /// predict_modifications(). Infinite if the measurements do not determine a parameter on which the frequency depends.
+  /// Empty without an updating.
   Eigen::VectorXd deviations;
+  Eigen::VectorXd considered;  ///< the part of stated numbers; empty where nothing is stated
 };
 
 /// Result of an updating.
 struct UpdatedParameters {
   Eigen::VectorXd values;
   ParameterStatistics statistics;
+  std::optional<Considered> considered = {};  ///< what the plan's stated numbers do to them
 };
 
 /// Predicts the natural frequencies of each modification, starting from the updated structure if `updating` is given.
@@ -36,7 +41,9 @@ struct UpdatedParameters {
 ///
 /// With the covariance S of the updated parameters theta, to first order,
 ///   std(f_j)^2 = g_j^T S g_j,    g_jp = phi_j^T (dK/dtheta_p - lambda_j dM/dtheta_p) phi_j / (8 pi^2 f_j),
-/// with the modes of the modified structure [FK68]. A parameter that the modification sets has no uncertainty.
+/// with the modes of the modified structure [FK68]. A stated number c_i, to which the parameters are fitted, adds
+///   (g_ji + sum_p g_jp dtheta_p/dc_i)^2 sigma_i^2.
+/// A parameter that the modification sets has no uncertainty.
 std::vector<StructuralModificationResult> predict_modifications(const Study& study,
                                                                 const std::optional<UpdatedParameters>& updating);
 

@@ -46,7 +46,8 @@ std::optional<CoupledModel> estimated_model(RunContext& context, const Estimatio
 
 std::optional<UpdatedParameters> updated_parameters(const StudyResults& results) {
   const auto* updating = results.find<UpdatingOutcome>();
-  return updating ? std::optional(UpdatedParameters{updating->values, updating->statistics}) : std::nullopt;
+  return updating ? std::optional(UpdatedParameters{updating->values, updating->statistics, updating->considered})
+                  : std::nullopt;
 }
 
 /// Drives the case's substructure, as the model holds it, by the estimated motion of its boundary.
