@@ -12,9 +12,10 @@ namespace kalfem {
 
 namespace {
 
-constexpr std::array<std::pair<FixedNumberKind, const char*>, 8> groups{{{FixedNumberKind::mass, "masses"},
+constexpr std::array<std::pair<FixedNumberKind, const char*>, 9> groups{{{FixedNumberKind::mass, "masses"},
                                                                          {FixedNumberKind::stiffness, "stiffnesses"},
                                                                          {FixedNumberKind::damping, "damping"},
+                                                                         {FixedNumberKind::position, "positions"},
                                                                          {FixedNumberKind::law, "laws"},
                                                                          {FixedNumberKind::gain, "gains"},
                                                                          {FixedNumberKind::excitation, "excitations"},
@@ -37,6 +38,7 @@ FixedNumberKind kind_of(const Parameter& parameter) {
   const std::string& unit = parameter.unit;
   if (parameter.name.find(".damping") != std::string::npos || unit.starts_with("N s")) return FixedNumberKind::damping;
   if (unit.starts_with("kg")) return FixedNumberKind::mass;
+  if (parameter.name.find(".offset_") != std::string::npos) return FixedNumberKind::position;
   if (unit.starts_with("N/m") || unit.starts_with("N m/rad") || !parameter.of_connector())
     return FixedNumberKind::stiffness;
   return FixedNumberKind::law;

@@ -13,9 +13,9 @@
 namespace kalfem {
 
 /// What a number is, in the groups by which KnownTo names them.
-enum class FixedNumberKind { mass, stiffness, damping, law, gain, excitation, delay, drift };
+enum class FixedNumberKind { mass, stiffness, damping, position, law, gain, excitation, delay, drift };
 
-/// "masses", "stiffnesses", "damping", "laws", "gains", "excitations", "delays", "drifts".
+/// "masses", "stiffnesses", "damping", "positions", "laws", "gains", "excitations", "delays", "drifts".
 std::string group_of(FixedNumberKind kind);
 
 /// A number of an estimation that is held fixed: of the structure, the gain or clock of a sensor, or gain and delay of

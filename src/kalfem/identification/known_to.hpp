@@ -10,8 +10,8 @@ namespace kalfem {
 /// How well numbers are known that an analysis holds fixed: their standard deviation, of one or of a group each.
 struct KnownTo {
   /// A number ("frame.3.mass", "a1.gain"), all of an owner or of its part ("frame.3"), or a group: "masses",
-  /// "stiffnesses", "damping", "laws", "gains", "excitations", "delays", "drifts". The longest name that fits a number
-  /// counts, a group last.
+  /// "stiffnesses", "damping", "positions", "laws", "gains", "excitations", "delays", "drifts". The longest name that
+  /// fits a number counts, a group last.
   std::string name;
   double deviation = 0.0;        ///< relative, or in the number's unit
   bool relative = true;          ///< of the number's own size; delays and drifts are never relative

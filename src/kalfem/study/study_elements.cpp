@@ -27,7 +27,7 @@ double sensor_bandwidth(const d::Case& given) {
   return widest > 0.0 ? widest : std::numeric_limits<double>::infinity();
 }
 
-/// Names, within the substructure, of the parameters that the case estimates, updates or modifies.
+/// Names, within the substructure, of the parameters that the case estimates, updates, modifies or states.
 std::vector<std::string> changing_parameters(const d::Case& given, const std::string& substructure) {
   const std::string prefix = substructure + ".";
   std::vector<std::string> names;
@@ -44,6 +44,10 @@ std::vector<std::string> changing_parameters(const d::Case& given, const std::st
       include(name);
       for (const auto& target : parameter.value.applies_to) include(target.value);
     }
+  if (given.estimate)
+    for (const auto& [name, value] : given.estimate->known_to) include(name);
+  if (given.update)
+    for (const auto& [name, value] : given.update->known_to) include(name);
   for (const auto& [name, modification] : given.modifications)
     for (const auto& [target, value] : modification.value.set)
       include(modification.value.substructure.value + "." + target);

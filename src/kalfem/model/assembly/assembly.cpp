@@ -124,8 +124,8 @@ std::vector<bool> touched_dofs(const FiniteElementModel& model) {
 /// Sums up the parts of a model over the free degrees of freedom that the elimination leaves.
 class Assembler {
 public:
-  /// `factors`: those by which the stiffness of beam regions is divided. `present`: values of all parameters, where
-  /// the terms shall be summed at them.
+  /// `factors`: those by which the stiffness of beam regions and point masses are divided. `present`: values of all
+  /// parameters, where the terms shall be summed at them.
   Assembler(const FiniteElementModel& model, const Elimination& elimination, const Values& factors,
             const Values* present)
       : rigid_mass(model.mesh),
@@ -308,25 +308,52 @@ void Assembler::report(const std::vector<std::pair<Eigen::Index, std::string>>& 
   }
 }
 
+/// The matrix of a unit mass without inertia at such an offset.
+Eigen::Matrix<double, 6, 6> unit_mass_at(const Eigen::Vector3d& offset) {
+  return point_mass({.mass = 1.0, .offset = offset});
+}
+
+// M_1(o) is of second order in o, so its values at o = 0, e_a, -e_a and e_a + e_b tell it exactly.
+/// Of a unit mass at the offset o: M_0 + sum_a o_a L_a + sum_(a <= b) o_a o_b Q_ab.
+std::vector<std::pair<Powers, Eigen::MatrixXd>> terms_by_offset(const std::string& name) {
+  const std::array axes{".offset_x", ".offset_y", ".offset_z"};
+  const auto unit = [](int axis) { return Eigen::Vector3d(Eigen::Vector3d::Unit(axis)); };
+  const auto at_node = unit_mass_at(Eigen::Vector3d::Zero());
+  std::vector<std::pair<Powers, Eigen::MatrixXd>> terms{{{}, at_node}};
+  for (int a = 0; a < 3; ++a) {
+    const auto there = unit_mass_at(unit(a)), opposite = unit_mass_at(-unit(a));
+    terms.push_back({{{name + axes[a], 1}}, 0.5 * (there - opposite)});
+    terms.push_back({{{name + axes[a], 2}}, 0.5 * (there + opposite) - at_node});
+    for (int b = a + 1; b < 3; ++b)
+      terms.push_back({{{name + axes[a], 1}, {name + axes[b], 1}},
+                       unit_mass_at(unit(a) + unit(b)) - there - unit_mass_at(unit(b)) + at_node});
+  }
+  return terms;
+}
+
 // A point mass is linear in its mass with the inertia held: M = m M_1 + M_J. M_1 has a unit mass at the offset and no
-// inertia and belongs to the parameter; M_J is constant.
+// inertia and belongs to the parameter, and to the offset where that is one; M_J is constant.
 void Assembler::add_masses() {
   TripletTerms triplets;
   Scatter scatter;
   for (const auto& item : model_.masses) {
     scatter_of(std::array{item.node}, 6, scatter);
-    PointMass unit = item, inertia = item;
-    unit.mass = 1.0;
-    unit.inertia.setZero();
+    PointMass inertia = item;
     inertia.mass = 0.0;
-    const auto add = [&](const PointMass& part, const Powers& powers) {
-      const Eigen::MatrixXd matrix = point_mass(part);
+    const auto add = [&](const Eigen::MatrixXd& matrix, const Powers& powers) {
       const auto [term, factor] = term_of(powers);
       append(scatter, factor * matrix, triplets[term]);
       rigid_mass.add(powers, rigid_mass.of(std::array{item.node}, 6, matrix));
     };
-    add(unit, {{item.name + ".mass", 1}});
-    if (!item.inertia.isZero(0.0)) add(inertia, {});
+    const std::string mass_name = item.name + ".mass";
+    if (factors_.contains(item.name + ".offset_x"))
+      for (auto& [powers, matrix] : terms_by_offset(item.name)) {
+        powers[mass_name] = 1;
+        add(matrix, powers);
+      }
+    else
+      add(unit_mass_at(item.offset), {{mass_name, 1}});
+    if (!item.inertia.isZero(0.0)) add(point_mass(inertia), {});
   }
   for (const auto& [powers, entries] : triplets) add_to(mass, powers, from_triplets(entries));
 }
@@ -385,9 +412,10 @@ void Assembler::add_matrices() {
 }
 
 // Parts of a beam's stiffness are separate terms only where a parameter asks for them: each costs a matrix.
-/// All factors of the beam regions that the options name one of.
+/// All factors of the beam regions, and all offsets of the point masses, that the options name one of.
 Values asked_factors(const FiniteElementModel& model, const AssemblyOptions& options) {
   auto factors = beam_factors(model);
+  factors.merge(mass_offsets(model));
   const auto region_of = [](const std::string& name) { return name.substr(0, name.rfind('.')); };
   std::set<std::string> regions;
   for (const auto& name : options.parameters)
@@ -439,6 +467,16 @@ Values beam_factors(const FiniteElementModel& model) {
     if (const auto* beam = std::get_if<BeamProperty>(&property))
       for (const auto part : parts_of(*beam)) factors[factor_name(region, part)] = 1.0;
   return factors;
+}
+
+Values mass_offsets(const FiniteElementModel& model) {
+  Values offsets;
+  for (const auto& mass : model.masses) {
+    offsets[mass.name + ".offset_x"] = mass.offset.x();
+    offsets[mass.name + ".offset_y"] = mass.offset.y();
+    offsets[mass.name + ".offset_z"] = mass.offset.z();
+  }
+  return offsets;
 }
 
 AssembledModel assemble(const FiniteElementModel& model, const AssemblyOptions& options) {

@@ -15,7 +15,8 @@ namespace kalfem {
 struct AssemblyOptions {
   /// Parameters that shall be there, by name. Those that are factors of a part of a beam region's stiffness, such as
   /// "tubes.bending_y" (see beam_factors()), divide that region's stiffness into a term for each of its parts; all
-  /// other names have no effect. Of regions that none is named of, the stiffness stays one term with others of its
+  /// and offsets of point masses, such as "engine.offset_x" (see mass_offsets()), divide the mass matrix of the latter;
+  /// all other names have no effect. Of regions that none is named of, the stiffness stays one term with others of its
   /// material: a model of hundreds of beam regions would else be thousands of matrices.
   std::vector<std::string> parameters = {};
   /// Degrees of freedom that shall be free although links or constraints let them follow others, see eliminate().
@@ -31,12 +32,17 @@ struct AssemblyOptions {
 /// ".stiffness" of the whole where an end has hinges. Beams are described at beam().
 std::map<std::string, double> beam_factors(const FiniteElementModel& model);
 
+/// Where the point masses sit beside their nodes [m]: "<mass>.offset_x", ".offset_y", ".offset_z". They act where the
+/// node turns.
+std::map<std::string, double> mass_offsets(const FiniteElementModel& model);
+
 /// A finite-element model as matrices: K = sum of stiffness terms and M = sum of mass terms over the free degrees of
 /// freedom, with the map back to the nodes. No two terms have the same powers. Immutable.
 struct AssembledModel {
   std::map<std::string, double> parameters;  ///< present values, SI: "<material>.youngs_modulus", "<material>.density",
                                              ///< "<region>.thickness", "<mass>.mass", "<spring>.stiffness" and
-                                             ///< the factors of beam regions that the options ask for
+                                             ///< the factors of beam regions and the offsets of point masses
+                                             ///< that the options ask for
   std::vector<AffineTerm> stiffness;
   std::vector<AffineTerm> mass;
   SparseMatrix damping;                 ///< of dashpots [N s/m], n x n

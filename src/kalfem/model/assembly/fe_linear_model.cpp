@@ -171,6 +171,7 @@ std::string unit_of(const FiniteElementParameter& parameter) {
   if (parameter.name.ends_with(".density")) return "kg/m^3";
   if (parameter.name.ends_with(".thickness")) return "m";
   if (parameter.name.ends_with(".mass")) return "kg";
+  if (ends_with_any(parameter.name, {".offset_x", ".offset_y", ".offset_z"})) return "m";
   if (ends_with_any(parameter.name, {".axial", ".bending", ".bending_y", ".bending_z", ".torsion"})) return "-";
   return "";  // a spring's stiffness: [N/m] or [N m/rad]
 }
