@@ -71,6 +71,25 @@ TEST_F(ModificationDeviations, CountTheCovariancesOfParameters) {
               1e-14);
 }
 
+TEST_F(ModificationDeviations, HoldStatedNumbersThatTheParametersFollow) {
+  // The frequency is measured to .2 %, so the stiffness follows a mass that is 3 % heavier by 3 %, but for its prior.
+  auto text = changed(oscillator, "    frame.1.mass: {std: 10 %}\n", "");
+  text = changed(text, "deviation: 2 %", "deviation: 0.2 %");
+  const auto alone = updated(ScratchFolder("modification-alone"), text)["prediction"];
+  text = changed(text, "update:\n", "update:\n  known_to: {frame.1.mass: 3 %}\n");
+  const auto summary = updated(ScratchFolder("modification-stated"), text);
+  const double k = summary["updating"]["parameters"]["frame.s.stiffness"]["estimate"];
+  const double f = std::sqrt(k) / (2.0 * std::numbers::pi);
+  const double measured = std::pow(0.5 / (0.002 * 5.0329212 / f), 2.0), prior = std::pow(k / 240.0, 2.0);
+  const auto added = [&](const char* name) {
+    const double with = summary["prediction"][name]["frequencies_std_hz"][0],
+                 without = alone[name]["frequencies_std_hz"][0];
+    return std::sqrt(with * with - without * without) / summary["prediction"][name]["frequencies_hz"][0].get<double>();
+  };
+  EXPECT_NEAR(added("heavier"), 0.5 * 0.03 * measured / (measured + prior), 1e-8);  // sets the mass
+  EXPECT_NEAR(added("stiffer"), 0.5 * 0.03, 1e-8);                                  // sets the stiffness
+}
+
 TEST_F(ModificationDeviations, SayWhatTheyLeaveOut) {
   EXPECT_NE(summary_["prediction"]["heavier"]["note"].get<std::string>().find("do not include"), std::string::npos);
 }

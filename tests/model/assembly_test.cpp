@@ -164,6 +164,25 @@ TEST(Assembly, BeamRegionsHaveTheFactorsThatAreAskedFor) {
             rounding);
 }
 
+TEST(Assembly, PointMassesHaveTheOffsetsThatAreAskedFor) {
+  auto model = workshop_piece();
+  const auto plain = assemble(model);
+  EXPECT_FALSE(plain.parameters.contains("motor.offset_x"));
+  const auto divided = assemble(model, {.parameters = {"motor.offset_z"}});
+  EXPECT_EQ(divided.parameters.at("motor.offset_z"), 0.03);
+  EXPECT_LT(difference(mass_of(divided), mass_of(plain)), rounding);
+  // Anywhere, and from a node at which it sits.
+  for (const Eigen::Vector3d& offset : {Eigen::Vector3d(-0.05, 0.07, 0.01), Eigen::Vector3d(0.0, 0.0, 0.0)}) {
+    model.masses[0].offset = offset;
+    auto parameters = divided.parameters;
+    parameters.at("motor.mass") = model.masses[0].mass = 2.9;
+    parameters.at("motor.offset_x") = offset.x();
+    parameters.at("motor.offset_y") = offset.y();
+    parameters.at("motor.offset_z") = offset.z();
+    EXPECT_LT(difference(Eigen::MatrixXd(evaluate(divided.mass, parameters)), mass_of(assemble(model))), rounding);
+  }
+}
+
 TEST(Assembly, RegionsWithHingesHaveOneFactorWhichNoSpringMayShare) {
   auto model = workshop_piece();
   std::get<BeamProperty>(model.properties["rib"]).placements[0].released[4] = true;
