@@ -57,6 +57,7 @@ protected:
     ASSERT_EQ(frequencies.size(), 10U);
     ASSERT_EQ(deviations.size(), 10U);
     const auto& modes = summary_["updating"]["comparisons"]["frequencies"]["modes"];
+    double half_widths = 0.0;
     for (std::size_t i = 0; i < 10; ++i) {
       const double frequency = frequencies[i], before = modes[i]["model_hz"];
       // A mass lowers every frequency; as it moves in three directions, none falls below its third lower neighbour.
@@ -64,12 +65,14 @@ protected:
       if (i > 2) {
         EXPECT_GE(frequency, modes[i - 3]["model_hz"].get<double>() * (1.0 - 1e-9)) << i + 1;
       }
-      // found .2 to .7 %
+      // found .2 to 4.5 %
       EXPECT_GT(deviations[i].get<double>(), 1e-3 * frequency) << i + 1;
-      EXPECT_LT(deviations[i].get<double>(), 1e-2 * frequency) << i + 1;
+      EXPECT_LT(deviations[i].get<double>(), 5e-2 * frequency) << i + 1;
+      half_widths += 1.96 * deviations[i].get<double>() / frequency;
       expect_figure("garteur." + GetParam().name + ".mode_" + std::to_string(i + 1), frequency);
       expect_figure("garteur." + GetParam().name + ".std_" + std::to_string(i + 1), deviations[i].get<double>());
     }
+    EXPECT_LT(half_widths / 10.0, 0.02);  // found .0194 and .0192
     EXPECT_NE(prediction["note"].get<std::string>().find("do not include"), std::string::npos);
   }
 
