@@ -164,6 +164,7 @@ private:
     std::vector<std::string> names;
     for (const auto& unknown : options_.unknowns)
       for (const auto& name : targets_of(unknown)) names.push_back(name);
+    for (const auto& stated : options_.known_to) names.push_back(stated.name);
     return names;
   }
 

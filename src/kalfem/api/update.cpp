@@ -247,7 +247,9 @@ void judge(const std::vector<MadeComparison>& comparisons, const std::vector<Upd
 }  // namespace
 
 UpdateResult update(const Structure& structure, const UpdateOptions& options) {
-  const auto model = make_structure_model(structure.description(), {.parameters = names_of_parameters(options)});
+  auto used = names_of_parameters(options);
+  for (const auto& stated : options.known_to) used.push_back(stated.name);
+  const auto model = make_structure_model(structure.description(), {.parameters = std::move(used)});
   const Refined found = refined(*model, options);
   const auto& [parameters, bindings] = found;
   const auto comparisons = make_comparisons(

@@ -201,10 +201,9 @@ Schema<Estimation> estimation() {
                     "also estimate every sample from the whole record (fixed-interval smoother)")
           .optional("known_to", &Estimation::known_to, named(value(), NameRule::dotted),
                     "standard deviations of numbers that are held fixed, which intervals and bands then hold: a "
-                    "percentage, or in the number's unit. By group (masses, stiffnesses, damping, laws, gains, "
-                    "excitations, delays, drifts) or by name (frame.3.mass, a1.gain, a1.delay, road.gain, or frame for "
-                    "all of "
-                    "it); the longest name counts")
+                    "percentage, or in the number's unit. By group (masses, stiffnesses, damping, positions, laws, "
+                    "gains, excitations, delays, drifts) or by name (frame.3.mass, a1.gain, a1.delay, road.gain, or "
+                    "frame for all of it); the longest name counts")
           .optional("free", &Estimation::free,
                     choice<FreeNumbers>(
                         {{"none", FreeNumbers::none, "nothing is said of estimating them"},

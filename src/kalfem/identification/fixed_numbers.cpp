@@ -209,7 +209,7 @@ void check_known_to(const std::vector<KnownTo>& known_to, const std::vector<Fixe
     else if (std::ranges::none_of(all, is_named) && !is_group(stated.name))
       issues.add(stated.location, path + ": no fixed number has this name" + did_you_mean(stated.name, known), "",
                  "name a number as `sensitivity` of summary.json lists it, or one of masses, stiffnesses, damping, "
-                 "laws, gains, excitations, delays, drifts");
+                 "positions, laws, gains, excitations, delays, drifts");
     const auto has_no_size = [&](const FixedNumber& number) {
       return is_named(number) && (number.is_of_clock() ? stated.name != number.name.substr(0, number.name.rfind('.'))
                                                        : number.scale == 0.0 && stated.name == number.name);
