@@ -59,6 +59,11 @@ TEST(UnknownChecks, NoticeWhatTheRecordDoesNotTell) {
   MatrixXd correlation(2, 2);
   correlation << 1.0, -0.995, -0.995, 1.0;
   EXPECT_EQ(codes({sound("k"), sound("c")}, correlation), Codes{"k, c correlated"});
+  auto one = sound("k"), other = sound("c");
+  one.shrinkage = other.shrinkage = 0.04;  // each is known to a part of its prior, so they are told apart
+  EXPECT_EQ(codes({one, other}, correlation), Codes{});
+  other.shrinkage = 0.2;
+  EXPECT_EQ(codes({one, other}, correlation), Codes{"k, c correlated"});
   correlation << 1.0, 0.9, 0.9, 1.0;
   EXPECT_EQ(codes({sound("k"), sound("c")}, correlation), Codes{});
 }

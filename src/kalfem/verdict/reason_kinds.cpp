@@ -76,7 +76,8 @@ std::span<const ReasonKind> reason_kinds() {
        Gravity::unusable},
       {{"at_bound"}, "an estimate at one of its bounds", Gravity::suspicious, false},
       {{"not_identified", "correlated", "combination"},
-       "the record says nothing about an unknown, or cannot tell two or more apart",
+       "the record says nothing about an unknown, or cannot tell two or more apart, unless it knows each to a small "
+       "part of its prior",
        Gravity::suspicious,
        false},
       {{"process_noise_decides"},

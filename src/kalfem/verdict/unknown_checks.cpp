@@ -23,6 +23,7 @@ constexpr double at_bound_move = 2.0;  ///< prior deviations: a first guess that
 constexpr double redundant = 0.02;     ///< eigenvalue of the correlation matrix: known 50 times better than its parts
 constexpr double member = 0.3;         ///< of the largest part of a direction
 constexpr double still_wide = 0.3;     ///< posterior over prior deviation: below it, each is known well enough
+constexpr double well_known = 0.05;    ///< the same of two that are highly correlated
 constexpr double certain = 4.0;        ///< deviations from zero of an estimate of the other sign
 
 std::string value_of(double value, const std::string& unit) {
@@ -113,11 +114,12 @@ void check_pairs(const std::vector<EstimatedUnknown>& unknowns, const Eigen::Ref
                  std::vector<Reason>& reasons) {
   for (Index i = 0; i < correlation.rows(); ++i)
     for (Index j = 0; j < i; ++j) {
-      if (!(std::abs(correlation(i, j)) > high_correlation)) continue;
-      const auto &one = unknowns[static_cast<std::size_t>(j)].name, &other = unknowns[static_cast<std::size_t>(i)].name;
-      reasons.push_back({"correlated", one + ", " + other,
+      const auto &one = unknowns[static_cast<std::size_t>(j)], &other = unknowns[static_cast<std::size_t>(i)];
+      const bool both_known = std::max(one.shrinkage, other.shrinkage) < well_known;
+      if (both_known || !(std::abs(correlation(i, j)) > high_correlation)) continue;
+      reasons.push_back({"correlated", one.name + ", " + other.name,
                          fmt::format("the record cannot tell unknowns '{}' and '{}' apart: their correlation is {:.4f}",
-                                     one, other, correlation(i, j)),
+                                     one.name, other.name, correlation(i, j)),
                          "hold one of them at its value, or excite the structure so that they act differently",
                          VerdictState::suspicious, 1.0});
     }
