@@ -90,6 +90,41 @@ TEST_F(ModificationDeviations, HoldStatedNumbersThatTheParametersFollow) {
   EXPECT_NEAR(added("stiffer"), 0.5 * 0.03, 1e-8);                                  // sets the stiffness
 }
 
+// Both fit the one frequency. With stiffness alone a modification that doubles the mass is at f / sqrt(2); with mass
+// alone one that sets the mass keeps the initial stiffness.
+TEST_F(ModificationDeviations, HoldTheSpreadBetweenChoicesOfParameters) {
+  auto text = changed(oscillator, "    frame.1.mass: {std: 10 %}\n", "");
+  text = changed(text, "update:\n", "update:\n  alternatives: {of_mass: {parameters: {frame.1.mass: {std: 20 %}}}}\n");
+  const auto summary = updated(ScratchFolder("modification-choices"), text);
+  const auto& updating = summary["updating"];
+  const double weight = updating["weight"], other = updating["alternatives"]["of_mass"]["weight"];
+  EXPECT_NEAR(weight + other, 1.0, 1e-12);
+  const double difference =
+      updating["log_evidence"].get<double>() - updating["alternatives"]["of_mass"]["log_evidence"].get<double>();
+  EXPECT_NEAR(std::log(weight / other), difference, 1e-9);
+  const auto& heavier = summary["prediction"]["heavier"];
+  const auto of = [&](const char* choice, const char* what) {
+    return heavier["by_choice"][choice][what][0].get<double>();
+  };
+  const double one = of("as given", "frequencies_hz"), two = of("of_mass", "frequencies_hz");
+  EXPECT_GT(std::abs(one - two), 0.01 * one);
+  const double mean = weight * one + other * two;
+  EXPECT_NEAR(heavier["frequencies_hz"][0].get<double>(), mean, 1e-12 * mean);
+  const double variance = weight * (std::pow(of("as given", "frequencies_std_hz"), 2.0) + std::pow(one - mean, 2.0)) +
+                          other * (std::pow(of("of_mass", "frequencies_std_hz"), 2.0) + std::pow(two - mean, 2.0));
+  EXPECT_NEAR(heavier["frequencies_std_hz"][0].get<double>(), std::sqrt(variance), 1e-12 * mean);
+}
+
+TEST_F(ModificationDeviations, NeedAPriorOfEveryParameterWhereChoicesAreWeighed) {
+  const auto text =
+      changed(oscillator, "update:\n", "update:\n  alternatives: {of_mass: {parameters: {frame.1.mass: {}}}}\n");
+  const ScratchFolder folder("modification-no-prior");
+  const auto outcome = run_command("check " + written(folder, text).string(), folder);
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_NE(outcome.errors.find("alternatives.of_mass.parameters.frame.1.mass: it has no prior"), std::string::npos)
+      << outcome.errors;
+}
+
 TEST_F(ModificationDeviations, SayWhatTheyLeaveOut) {
   EXPECT_NE(summary_["prediction"]["heavier"]["note"].get<std::string>().find("do not include"), std::string::npos);
 }

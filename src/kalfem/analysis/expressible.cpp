@@ -42,6 +42,7 @@ void require_expressible_update(const d::Case& given, IssueList& issues) {
   const auto& update = *given.update;
   if (update.method != UpdatingMethod::least_squares) refuse(given, {"update", "method"}, issues);
   if (update.starts != 1) refuse(given, {"update", "starts"}, issues);
+  if (!update.alternatives.empty()) refuse(given, {"update", "alternatives"}, issues);
   for (const auto& [name, parameter] : update.parameters)
     if (!parameter.value.applies_to.empty()) refuse(given, {"update", "parameters", name, "applies_to"}, issues);
   for (const auto& [name, comparison] : update.comparisons) {

@@ -139,6 +139,10 @@ struct Evolution {
   int generations = 200, population = 0;
   std::uint64_t seed = 1;
 };
+/// Other parameters of the same structure, fitted to the same measurements.
+struct UpdatingAlternative {
+  Named<Located<UpdatedParameter>> parameters;
+};
 struct Updating {
   Named<Located<UpdatedParameter>> parameters;
   Named<Located<Comparison>> comparisons;
@@ -150,6 +154,7 @@ struct Updating {
   bool check_sensitivities = false;
   std::uint64_t seed = 1;
   Named<Value> known_to;  ///< standard deviations of numbers that are held fixed
+  Named<Located<UpdatingAlternative>> alternatives;
 };
 
 /// A change of some parameters of the updated structure, whose natural frequencies are predicted.

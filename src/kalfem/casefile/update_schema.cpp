@@ -225,6 +225,9 @@ Schema<Updating> updating() {
           .optional("population", &Evolution::population, integer(0, 10000),
                     "points per generation; 0: chosen from the number of parameters")
           .optional("seed", &Evolution::seed, seed(), "seed of its random numbers");
+  const auto alternative = Fields<UpdatingAlternative>().required(
+      "parameters", &UpdatingAlternative::parameters, named(located(updated_parameter()), NameRule::dotted),
+      "parameters that are updated in the place of update.parameters, each with `std`");
   return mapping(
       Fields<Updating>()
           .required("parameters", &Updating::parameters, named(located(updated_parameter()), NameRule::dotted),
@@ -249,7 +252,11 @@ Schema<Updating> updating() {
           .optional("known_to", &Updating::known_to, named(value(), NameRule::dotted),
                     "standard deviations of numbers that are not updated, which intervals then hold, as in "
                     "estimate.known_to; gains are those of what is compared: tip.z.gain of a response, "
-                    "input.tip.z.gain of its force, a1.gain of a sensor, road.gain of an excitation"));
+                    "input.tip.z.gain of its force, a1.gain of a sensor, road.gain of an excitation")
+          .optional(
+              "alternatives", &Updating::alternatives, named(located(mapping(alternative))),
+              "other choices of parameters, by names of your own, fitted to the same measurements and weighted by "
+              "their evidence; modifications are predicted by all of them"));
 }
 
 Schema<Modification> modification() {

@@ -71,6 +71,7 @@ struct RecordComparison {
 };
 
 struct WideUpdating;
+struct AlternativeUpdating;
 
 /// The search for the updated parameters, and the comparisons that it minimises.
 struct UpdatingPlan {
@@ -88,10 +89,17 @@ struct UpdatingPlan {
   std::vector<KnownTo> known_to = {};             ///< how well numbers are known that are held fixed
   std::vector<FixedNumber> stated = {};           ///< numbers that are held fixed, and not known exactly
   std::shared_ptr<const WideUpdating> wide = {};  ///< with those of the structure; null: nothing is stated
+  std::vector<std::shared_ptr<const AlternativeUpdating>> alternatives = {};  ///< other parameters, same measurements
 };
 
 /// The comparisons as functions of the updated parameters and, behind them, of stated numbers of the structure.
 struct WideUpdating {
+  UpdatingSetup setup;
+  UpdatingPlan plan;
+};
+
+struct AlternativeUpdating {
+  std::string name;
   UpdatingSetup setup;
   UpdatingPlan plan;
 };

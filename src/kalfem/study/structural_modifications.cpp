@@ -135,6 +135,25 @@ void set_deviations(const MatrixXd& slopes, const Study& study, const UpdatedPar
 
 }  // namespace
 
+StructuralModificationResult mixed(const std::vector<StructuralModificationResult>& models, const VectorXd& weights) {
+  Index modes = models.front().frequencies.size();
+  for (const auto& each : models) modes = std::min(modes, each.frequencies.size());
+  StructuralModificationResult mixture{
+      models.front().name, models.front().substructure, VectorXd::Zero(modes), VectorXd::Zero(modes), {}};
+  const auto each_with_weight = [&](const auto& what) {
+    for (Index m = 0; m < weights.size(); ++m)
+      if (weights[m] > 0.0) what(weights[m], models[static_cast<std::size_t>(m)]);
+  };
+  each_with_weight(
+      [&](double weight, const auto& model) { mixture.frequencies += weight * model.frequencies.head(modes); });
+  each_with_weight([&](double weight, const auto& model) {
+    mixture.deviations += weight * (model.deviations.head(modes).cwiseAbs2() +
+                                    (model.frequencies.head(modes) - mixture.frequencies).cwiseAbs2());
+  });
+  mixture.deviations = mixture.deviations.cwiseSqrt();
+  return mixture;
+}
+
 std::vector<StructuralModification> make_modifications(const CaseStudy& study, IssueList& issues) {
   const ParameterSet known(*study.structure);
   std::vector<std::string> parts;

@@ -29,6 +29,12 @@ struct StructuralModificationResult {
   Eigen::VectorXd considered;  ///< the part of stated numbers; empty where nothing is stated
 };
 
+/// What several models predict of a modification, each with its weight, as one prediction: mode by mode in the order of
+/// frequency,
+///     f = sum w_m f_m,   std^2 = sum w_m (std_m^2 + (f_m - f)^2).
+StructuralModificationResult mixed(const std::vector<StructuralModificationResult>& models,
+                                   const Eigen::VectorXd& weights);
+
 /// Result of an updating.
 struct UpdatedParameters {
   Eigen::VectorXd values;

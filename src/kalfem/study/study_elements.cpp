@@ -39,11 +39,16 @@ std::vector<std::string> changing_parameters(const d::Case& given, const std::st
       include(name);
       for (const auto& target : unknown.applies_to) include(target.value);
     }
-  if (given.update)
-    for (const auto& [name, parameter] : given.update->parameters) {
+  const auto include_updated = [&](const Named<Located<d::UpdatedParameter>>& parameters) {
+    for (const auto& [name, parameter] : parameters) {
       include(name);
       for (const auto& target : parameter.value.applies_to) include(target.value);
     }
+  };
+  if (given.update) {
+    include_updated(given.update->parameters);
+    for (const auto& [name, alternative] : given.update->alternatives) include_updated(alternative.value.parameters);
+  }
   if (given.estimate)
     for (const auto& [name, value] : given.estimate->known_to) include(name);
   if (given.update)

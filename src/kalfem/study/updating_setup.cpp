@@ -189,6 +189,39 @@ void add_stated(const CaseStudy& study, UpdatingPlan& plan) {
   plan.wide = std::make_shared<const WideUpdating>(WideUpdating{*wide.updating, std::move(over_all)});
 }
 
+/// Evidence compares what priors predict, so every parameter needs one.
+void require_priors(const UpdatingSetup& setup, const std::string& path, const SourceLocation& location,
+                    IssueList& issues) {
+  for (const auto& parameter : setup.parameters)
+    if (!std::isfinite(parameter.deviation))
+      issues.add(location, path + "." + parameter.name + ": it has no prior",
+                 "alternatives are weighted by their evidence, which depends on the priors' widths", "give `std`");
+}
+
+void add_alternatives(const CaseStudy& study, UpdatingPlan& plan) {
+  const d::Updating& given = *study.given.update;
+  if (given.alternatives.empty()) return;
+  IssueList issues;
+  require_priors(*study.updating, "update.parameters", plan.location, issues);
+  for (const auto& [name, alternative] : given.alternatives) {
+    CaseStudy other = study;
+    other.given.update->parameters = alternative.value.parameters;
+    other.given.update->alternatives.clear();
+    try {
+      IssueList of_parameters;
+      other.updating = make_updating_setup(other, of_parameters);
+      of_parameters.raise();
+      require_priors(*other.updating, alternative.path + ".parameters", alternative.location, issues);
+      std::vector<std::string> told_before;
+      plan.alternatives.push_back(std::make_shared<const AlternativeUpdating>(
+          AlternativeUpdating{name, *other.updating, make_updating_plan(other, told_before)}));
+    } catch (const InvalidInput& error) {
+      issues.add(error, alternative.location);
+    }
+  }
+  issues.raise();
+}
+
 }  // namespace
 
 UpdatingSetup make_updating_setup(const CaseStudy& study, IssueList& issues) {
@@ -226,6 +259,7 @@ UpdatingPlan make_updating_plan(const CaseStudy& study, std::vector<std::string>
     plan.parameter_locations[parameter.name] = study.given.source.at({"update", "parameters", parameter.name});
   add_comparisons(study, plan, warnings);
   add_stated(study, plan);
+  add_alternatives(study, plan);
   return plan;
 }
 

@@ -18,7 +18,9 @@ struct PredictionOutcome {
 
 /// The natural frequencies after each structural modification of the case.
 struct ModificationsOutcome {
-  std::vector<StructuralModificationResult> modifications;
+  std::vector<StructuralModificationResult> modifications;  ///< of all choices of parameters, where there are several
+  /// By choice of parameters, then by modification; empty where there is one choice.
+  std::vector<std::pair<std::string, std::vector<StructuralModificationResult>>> by_choice = {};
 };
 
 }  // namespace kalfem

@@ -9,7 +9,7 @@
 #include "kalfem/steps/prediction/section.hpp"
 #include "kalfem/steps/run_step.hpp"
 #include "kalfem/steps/simulation/outcome.hpp"
-#include "kalfem/steps/updating/outcome.hpp"
+#include "kalfem/steps/updating/compute.hpp"
 #include "kalfem/study/structural_modifications.hpp"
 #include "kalfem/vibration/driven_motion.hpp"
 
@@ -44,10 +44,30 @@ std::optional<CoupledModel> estimated_model(RunContext& context, const Estimatio
   return std::nullopt;
 }
 
-std::optional<UpdatedParameters> updated_parameters(const StudyResults& results) {
+UpdatedParameters parameters_of(const UpdatingOutcome& updating) {
+  return {updating.values, updating.statistics, updating.considered};
+}
+
+/// By the updated parameters, or by all choices of them with their weights.
+ModificationsOutcome predicted_modifications(const Study& study, const StudyResults& results) {
   const auto* updating = results.find<UpdatingOutcome>();
-  return updating ? std::optional(UpdatedParameters{updating->values, updating->statistics, updating->considered})
-                  : std::nullopt;
+  if (!updating) return {predict_modifications(study, std::nullopt)};
+  ModificationsOutcome found{predict_modifications(study, parameters_of(*updating))};
+  if (found.modifications.empty() || updating->alternatives.empty()) return found;
+  std::vector<double> weights{updating->weight};
+  found.by_choice.emplace_back("as given", found.modifications);
+  for (const auto& each : updating->alternatives) {
+    if (!each.failure.empty()) continue;
+    weights.push_back(each.outcome.weight);
+    found.by_choice.emplace_back(
+        each.plan->name, predict_modifications(with_alternative(study, *each.plan), parameters_of(each.outcome)));
+  }
+  for (std::size_t i = 0; i < found.modifications.size(); ++i) {
+    std::vector<StructuralModificationResult> models;
+    for (const auto& [name, predicted] : found.by_choice) models.push_back(predicted[i]);
+    found.modifications[i] = mixed(models, Eigen::VectorXd::Map(weights.data(), std::ssize(weights)));
+  }
+  return found;
 }
 
 /// Drives the case's substructure, as the model holds it, by the estimated motion of its boundary.
@@ -103,13 +123,21 @@ void predict(RunContext& context) {
     outcome.seconds = watch.seconds();
     results.put(std::move(outcome));
   }
-  if (auto found = predict_modifications(study, updated_parameters(results)); !found.empty())
-    results.put(ModificationsOutcome{std::move(found)});
+  if (auto found = predicted_modifications(study, results); !found.modifications.empty()) results.put(std::move(found));
 }
 
 std::vector<StructuralModificationResult> modifications_of(const StudyResults& results) {
   const auto* outcome = results.find<ModificationsOutcome>();
   return outcome ? outcome->modifications : std::vector<StructuralModificationResult>{};
+}
+
+/// What each choice of parameters predicts by itself.
+void add_choices(const ModificationsOutcome& outcome, const std::string& modification, Json& summary) {
+  for (const auto& [choice, predicted] : outcome.by_choice)
+    for (const auto& each : predicted)
+      if (each.name == modification)
+        summary["by_choice"][choice] = {{"frequencies_hz", numbers(each.frequencies)},
+                                        {"frequencies_std_hz", numbers(each.deviations)}};
 }
 
 Json prediction_summary(const StudyResults& results) {
@@ -129,6 +157,7 @@ Json prediction_summary(const StudyResults& results) {
     modification["frequencies_std_hz"] = Json::array();
     for (const double deviation : each.deviations) modification["frequencies_std_hz"].push_back(number(deviation));
     modification["note"] = deviations_leave_out;
+    add_choices(results.get<ModificationsOutcome>(), each.name, modification);
   }
   return summary;
 }

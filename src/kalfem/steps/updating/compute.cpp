@@ -10,6 +10,7 @@
 #include "kalfem/diagnosis/judge_updating.hpp"
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/steps/updating/checkpoint.hpp"
+#include "kalfem/updating/evidence.hpp"
 #include "kalfem/updating/frf_residual.hpp"
 #include "kalfem/updating/gauss_newton.hpp"
 #include "kalfem/updating/global_search.hpp"
@@ -402,6 +403,8 @@ UpdatingOutcome run_updating(const Study& study, const StudyResults& results, co
     updating.robust = robust_statistics(parameters, *last, blocks_of(comparisons), updating.statistics);
     updating.remarks = parameter_findings(parameters, updating.values, updating.statistics);
     compare(study, comparisons, *first, *last, updating);
+    if (std::ranges::all_of(parameters, [](const auto& each) { return std::isfinite(each.deviation); }))
+      updating.log_evidence = log_evidence(parameters, updating.values, *last);
   }
   updating.seconds = watch.seconds();
   return updating;

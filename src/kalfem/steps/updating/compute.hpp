@@ -14,6 +14,12 @@ namespace kalfem {
 UpdatingOutcome run_updating(const Study& study, const StudyResults& results, const RunOptions& options,
                              std::string& failure);
 
+/// The same with each of the plan's alternatives, weighted with the outcome by their evidence; an alternative that
+/// fails has no weight.
+void run_alternatives(const Study& study, const StudyResults& results, UpdatingOutcome& outcome);
+/// The study with the alternative in the place of its parameters.
+Study with_alternative(const Study& study, const AlternativeUpdating& alternative);
+
 /// The comparisons of an updating: first those that need no record, then the others. Throws InvalidInput with every
 /// problem and its place.
 std::vector<ComparisonResidual> all_comparisons(const Study& study, const StudyResults& results);

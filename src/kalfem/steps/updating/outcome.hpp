@@ -57,6 +57,8 @@ struct ComparisonResult {
   Eigen::MatrixXd mac_initial, mac_final;              ///< measured x the model's elastic modes
 };
 
+struct AlternativeOutcome;
+
 struct UpdatingOutcome {
   std::string method;  ///< name of the method, in words
   std::vector<ComparisonResult> comparisons;
@@ -74,8 +76,18 @@ struct UpdatingOutcome {
   std::vector<UpdatingStep> trace;
   std::vector<FoundMinimum> minima;                  ///< of several starts, lowest cost first; otherwise empty
   std::vector<SensitivityComparison> sensitivities;  ///< if the case asks for them
-  Eigen::VectorXd unknowns_before;  ///< last estimates of the filter before the updating; empty: no filter
+  Eigen::VectorXd unknowns_before;               ///< last estimates of the filter before the updating; empty: no filter
+  std::optional<double> log_evidence;            ///< log_evidence(), where all parameters have priors
+  double weight = 1.0;                           ///< of this choice of parameters among the alternatives
+  std::vector<AlternativeOutcome> alternatives;  ///< with other parameters; empty: none are given
   double seconds = 0.0;
+};
+
+/// The updating with other parameters.
+struct AlternativeOutcome {
+  std::shared_ptr<const AlternativeUpdating> plan;
+  UpdatingOutcome outcome;
+  std::string failure;  ///< why it has no numbers; empty: it has
 };
 
 }  // namespace kalfem

@@ -28,6 +28,8 @@ Table paired_mode_table(const ComparisonResult& comparison);
 Table updating_trace_table(const Study& study, const UpdatingOutcome& outcome);
 /// Where the searches from several starts ended, lowest cost first; without rows where there was one start.
 Table minima_table(const Study& study, const UpdatingOutcome& outcome);
+/// The choices of parameters with their fit, evidence and weight; without rows where there is one.
+Table alternatives_table(const UpdatingOutcome& outcome);
 Table correlation_table(const Study& study, const UpdatingOutcome& outcome);
 Table sensitivity_table(const UpdatingOutcome& outcome);
 /// Unknowns of the filter before and after the updating; without rows where there are none.

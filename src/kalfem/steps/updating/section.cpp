@@ -130,6 +130,7 @@ Section updating_section(const Study& study, const StudyResults& results) {
       section.items.emplace_back(mac_picture(comparison, false));
       section.items.emplace_back(mac_picture(comparison, true));
     }
+  if (!outcome.alternatives.empty()) section.items.emplace_back(alternatives_table(outcome));
   if (!outcome.minima.empty()) section.items.emplace_back(minima_table(study, outcome));
   if (outcome.statistics.correlation.rows() > 1) {
     section.items.emplace_back(correlation_table(study, outcome));

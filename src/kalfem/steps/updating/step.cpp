@@ -29,6 +29,7 @@ void update(RunContext& context) {
   auto& results = context.results;
   auto& outcome = results.put(run_updating(study, results, context.options_of("update"), results.failure));
   if (!results.complete()) return;
+  run_alternatives(study, results, outcome);
   if (context.takes("modes")) results.put(modes_at(study, outcome.values, study.report.modes));
   if (!study.augmented_model) return;
   outcome.unknowns_before = unknowns_at_start(study, results);

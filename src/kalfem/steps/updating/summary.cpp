@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "kalfem/page/json_number.hpp"
+#include "kalfem/steps/updating/compute.hpp"
 #include "kalfem/updating/parameter_interval.hpp"
 
 namespace kalfem {
@@ -174,6 +175,22 @@ Json sensitivities_of(const UpdatingOutcome& outcome) {
   return all;
 }
 
+Json alternatives_of(const Study& study, const UpdatingOutcome& outcome) {
+  Json all = Json::object();
+  for (const auto& each : outcome.alternatives) {
+    Json& own = all[each.plan->name];
+    own = {{"weight", number(each.outcome.weight)}};
+    if (!each.failure.empty()) {
+      own["failure"] = each.failure;
+      continue;
+    }
+    own["log_evidence"] = number(*each.outcome.log_evidence);
+    own["residual_final"] = number(each.outcome.residual_final);
+    own["parameters"] = parameters_of(with_alternative(study, *each.plan), each.outcome);
+  }
+  return all;
+}
+
 }  // namespace
 
 Json updating_summary(const Study& study, const UpdatingOutcome& outcome) {
@@ -190,6 +207,11 @@ Json updating_summary(const Study& study, const UpdatingOutcome& outcome) {
   if (outcome.statistics.reduced_chi_squared)
     summary["reduced_chi_squared"] = number(*outcome.statistics.reduced_chi_squared);
   if (outcome.robust.deviations.size() > 0) summary["robust"] = robust_of(outcome.robust);
+  if (outcome.log_evidence) summary["log_evidence"] = number(*outcome.log_evidence);
+  if (!outcome.alternatives.empty()) {
+    summary["weight"] = number(outcome.weight);
+    summary["alternatives"] = alternatives_of(study, outcome);
+  }
   if (outcome.considered) summary["considered"] = considered_of(study, *outcome.considered);
   Json correlation = Json::array(), covariance = Json::array();
   for (Index i = 0; i < outcome.statistics.correlation.rows(); ++i) {

@@ -203,6 +203,22 @@ std::string updating_answer(const UpdatingOutcome& outcome) {
                      four_digits(outcome.residual_final));
 }
 
+Table alternatives_table(const UpdatingOutcome& outcome) {
+  Table table{"Choices of parameters", {"choice", "parameters", "residual", "ln evidence", "weight"}, {}, {}};
+  const auto add = [&](const std::string& name, const UpdatingOutcome& of, const std::string& failure) {
+    const std::string count = std::to_string(of.values.size());
+    if (failure.empty())
+      table.rows.push_back({name, count, finite(of.residual_final), fmt::format("{:.2f}", *of.log_evidence),
+                            fmt::format("{:.3g} %", 100.0 * of.weight)});
+    else
+      table.rows.push_back({name, count, "-", "-", failure});
+  };
+  if (outcome.alternatives.empty()) return table;
+  add("as given", outcome, "");
+  for (const auto& each : outcome.alternatives) add(each.plan->name, each.outcome, each.failure);
+  return table;
+}
+
 std::string console_updating(const Study& study, const StudyResults& results) {
   const auto& outcome = results.get<UpdatingOutcome>();
   std::string text = fmt::format(
@@ -225,6 +241,7 @@ std::string console_updating(const Study& study, const StudyResults& results) {
                                   per_cent(mean_frequency_error(each.modes_initial)),
                                   per_cent(mean_frequency_error(each.modes_final))),
                       paired_mode_table(each));
+  text += section("Choices of parameters, by the evidence of what was measured", alternatives_table(outcome));
   text += section("Ends of the searches from all starts", minima_table(study, outcome));
   text += section("Derivatives against finite differences", sensitivity_table(outcome));
   text += section("Unknowns of the filter before and after the updating", before_and_after_table(study, results));
