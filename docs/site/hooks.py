@@ -1,6 +1,7 @@
 """Hooks of mkdocs: what the site has beside the pages of this folder.
 
 * reference/*.md, printed by the command itself: its verbs, every key of a case, the connector laws;
+* notebooks/*.md, from the notebooks beside them;
 * sources.md, from references.bib; a key such as [CB68] in a page becomes a link to it;
 * KaTeX, from Debian's package libjs-katex;
 * search in a site that is opened from the disk, see from_disk.py.
@@ -20,13 +21,14 @@ from mkdocs.structure.files import File
 
 sys.path.insert(0, str(Path(__file__).parent))
 import from_disk  # noqa: E402
+import notebooks  # noqa: E402
 import reference  # noqa: E402
 import sources  # noqa: E402
 
 PROJECT = Path(__file__).resolve().parents[2]
 GENERATED = PROJECT / "build/docs-pages"
 KATEX = Path("/usr/share/javascript/katex")
-SHOWN = {".md", ".png", ".svg", ".css", ".js"}
+SHOWN = {".md", ".ipynb", ".png", ".svg", ".css", ".js"}
 CODE = re.compile(r"(^```.*?^```|^ {4}.*?$|`[^`\n]+`)", re.MULTILINE | re.DOTALL)
 
 
@@ -45,6 +47,7 @@ def generated_pages():
         "reference/case.md": reference.case_page(printed),
         "reference/laws.md": reference.laws_page(printed),
         "sources.md": sources.page(),
+        **notebooks.pages(PROJECT / "docs"),
     }
 
 

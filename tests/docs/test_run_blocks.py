@@ -14,6 +14,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from outputs import first_difference, refreshed  # noqa: E402
 from page_blocks import BadPage, blocks_of_text  # noqa: E402
 from run_blocks import Tools, run_page  # noqa: E402
+from run_notebook import difference, left_out, run  # noqa: E402
 
 
 def block(language, text, marks=""):
@@ -113,6 +114,33 @@ class Pages(unittest.TestCase):
     def test_commands_are_fenced(self):
         with self.assertRaisesRegex(BadPage, "line 3"):
             blocks_of_text("Try this:\n\n    kalfem run case.yaml\n")
+
+
+def cell(text, shown="", tags=()):
+    outputs = [{"text": [shown]}] if shown else []
+    return {"cell_type": "code", "metadata": {"tags": list(tags)}, "source": [text], "outputs": outputs}
+
+
+class Notebooks(unittest.TestCase):
+    def test_cells_share_their_names(self):
+        cells = [cell("x = 2.5"), {"cell_type": "markdown", "metadata": {}, "source": ["Words"]}, cell("print(x + 1)")]
+        self.assertEqual(run({"cells": cells}), ["", "3.5\n"])
+
+    def test_outputs_agree_to_the_digits_shown(self):
+        self.assertIsNone(difference(cell("", "k = 2.5\n"), "k = 2.51\n"))
+        self.assertIn("printed was", difference(cell("", "k = 2.5\n"), "k = 2.7\n"))
+
+    def test_outputs_are_whole(self):
+        self.assertIsNotNone(difference(cell("", "one\n"), "one\ntwo\n"))
+        self.assertIsNotNone(difference(cell(""), "one\n"))
+
+    def test_cells_that_fail_say_so(self):
+        with self.assertRaises(NameError):
+            run({"cells": [cell("unknown")]})
+
+    def test_cells_of_an_absent_package_are_left_out(self):
+        self.assertEqual(left_out(cell("", tags=["no_such_package"])), "no_such_package")
+        self.assertIsNone(left_out(cell("", tags=["json"])))
 
 
 if __name__ == "__main__":
