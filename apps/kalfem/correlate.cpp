@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "console.hpp"
@@ -49,15 +50,30 @@ std::string text_of(const std::string& file, const ModeSet& set, const std::vect
 
 }  // namespace
 
-std::vector<std::string> with_any_agreement(const std::string& case_file, std::vector<std::string> changes) {
+// The residual of the updating, which correlate does not use, is made for any agreement; the study then says again what
+// the case gives.
+Study load_for_correlation(const std::string& case_file, const std::vector<std::string>& changes,
+                           const Progress& progress) {
   IssueList told_later;
   const auto given = read_case_text(read_text_file(case_file), case_file, description::case_schema(), told_later,
                                     process_environment(), changes_of(changes));
-  if (!given.update) return changes;
-  for (const auto& [name, comparison] : given.update->comparisons)
-    if (const auto* modes = std::get_if<description::ModalData>(&comparison.value.data); modes && has_shapes(*modes))
-      changes.push_back("update.compare." + name + ".minimum_mac=0");
-  return changes;
+  auto lowered = changes;
+  std::map<std::string, double> agreement;
+  const auto comparisons = given.update ? given.update->comparisons : Named<Located<description::Comparison>>{};
+  for (const auto& [name, comparison] : comparisons)
+    if (const auto* modes = std::get_if<description::ModalData>(&comparison.value.data); modes && has_shapes(*modes)) {
+      agreement[name] = modes->minimum_mac;
+      lowered.push_back("update.compare." + name + ".minimum_mac=0");
+    }
+  Study study = load_study(case_file, changes_of(lowered), progress);
+  if (agreement.empty()) return study;
+  auto as_given = std::make_shared<description::Case>(*study.description);
+  for (auto& [name, comparison] : as_given->update->comparisons)
+    if (const auto found = agreement.find(name); found != agreement.end())
+      std::get<description::ModalData>(comparison.value.data).minimum_mac = found->second;
+  study.resolved_case = to_yaml(*description::case_schema().write(*as_given));
+  study.description = std::move(as_given);
+  return study;
 }
 
 ExitCode correlate_file(const std::string& file, bool as_json) {

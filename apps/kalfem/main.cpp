@@ -149,8 +149,6 @@ command::ExitCode execute(const CLI::App& app, Arguments& arguments) {
   }
   if (app.got_subcommand("correlate") && holds_modes(arguments.run.case_file))
     return command::correlate_file(arguments.run.case_file, arguments.json);
-  if (app.got_subcommand("correlate"))
-    arguments.run.changes = command::with_any_agreement(arguments.run.case_file, arguments.run.changes);
   if (app.got_subcommand("modes") && is_deck(arguments.run.case_file)) return modes_of_deck(arguments);
   if (arguments.json) arguments.run.told = command::Told::json;
   if (arguments.quiet) arguments.run.told = command::Told::verdict;

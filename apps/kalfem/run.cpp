@@ -89,7 +89,9 @@ public:
       : arguments_(arguments),
         progress_(arguments.told == Told::report),
         folder_(output_folder(arguments.case_file, arguments.folder)),
-        study_(load_study(arguments.case_file, changes_of(arguments.changes), progress_.of_loading())) {
+        study_(verb == "correlate"
+                   ? load_for_correlation(arguments.case_file, arguments.changes, progress_.of_loading())
+                   : load_study(arguments.case_file, changes_of(arguments.changes), progress_.of_loading())) {
     if (noted) noted->require_same_case(study_.resolved_case);
     require_section(study_, verb);
     require_result_places(folder_.path(), study_);

@@ -127,9 +127,10 @@ struct ModalArguments {
 };
 /// modal: the modes of a record alone, with their standard deviations. Not usable where there is none.
 ExitCode modal(const ModalArguments& arguments);
-/// Changes of a case by which its measured shapes pair with modes of the model however little they agree: `update`
-/// refuses such a case, and correlate is there to tell why they do not.
-std::vector<std::string> with_any_agreement(const std::string& case_file, std::vector<std::string> changes);
+/// A case for correlate: load_study() of a case with measured shapes that do not agree with any mode of the model
+/// throws, because they cannot be updated on; correlate is there to tell why they do not.
+Study load_for_correlation(const std::string& case_file, const std::vector<std::string>& changes,
+                           const Progress& progress);
 /// correlate of a file of modes alone: how well its sensors tell the modes apart.
 ExitCode correlate_file(const std::string& file, bool as_json);
 /// schema: the case-file reference as text, all or one section; or as JSON Schema; or the connector laws.

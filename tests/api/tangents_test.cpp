@@ -100,7 +100,7 @@ double error_of(const MatrixXd& found, const MatrixXd& exact) {
 }
 
 /// Runs over a simulated record in which two samples are missing.
-RunsBeside made(const Case& given, const FilterProblem& filter, const Record& record, const RecordEstimate& start,
+RunsBeside made(const FilterProblem& filter, const Record& record, const RecordEstimate& start,
                 const RecordEstimateOptions& monitored) {
   RunsBeside runs(filter.problem, filter.setup, record, start, monitored, {});
   const auto& run = runs.filter();
@@ -126,7 +126,7 @@ void compare(Case given, int substeps, int order, std::vector<std::string> state
   const FilterProblem filter = make_filter_problem(given.structure, given.sample_rate, options);
   const RecordEstimate start;
   const RecordEstimateOptions monitored{.monitored = filter.monitored};
-  const RunsBeside runs = made(given, filter, record, start, monitored);
+  const RunsBeside runs = made(filter, record, start, monitored);
   std::size_t compared = 0;
   for (const auto& group : runs.groups()) {
     const auto derivatives = runs.derivatives(group);
@@ -186,7 +186,7 @@ TEST(Tangents, AreReplacedByRunsWhereTheLinearPartHasUnknowns) {
           .record;
   const FilterProblem filter = make_filter_problem(given.structure, 500.0, given.options);
   const RecordEstimate start;
-  const RunsBeside runs = made(given, filter, record, start, {});
+  const RunsBeside runs = made(filter, record, start, {});
   for (const auto& group : runs.groups())
     for (const auto& each : runs.derivatives(group)) {
       EXPECT_TRUE(each.by_run);

@@ -234,7 +234,6 @@ TEST(StatedInUpdating, ByRecords) {
 /// The filter integrates masses, stiffnesses and dashpots out, samples the gains of the sensors.
 TEST(StatedInPosteriors, ByRecords) {
   Coverage coverage;
-  int exact = 0;
   const int first = number("KALFEM_FIRST", 1), count = number("KALFEM_COUNT", 100);
   for (int seed = first; seed < first + count; ++seed) {
     Problem truth(seed), belief = truth.believed();

@@ -112,6 +112,9 @@ TEST_F(FinishedRuns, StandSideBySide) {
   EXPECT_NE(line_with(outcome.output, "suspension.k").find(" ± "), std::string::npos) << outcome.output;
   const std::string page = read(*runs_ / "compared.html");
   EXPECT_NE(page.find("Courses of the parameters"), std::string::npos);
+  EXPECT_NE(page.find("id=\"chart-law-suspension\""), std::string::npos);
+  EXPECT_NE(outcome.output.find("95 % interval"), std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.output.find("Sensors: innovation / expected"), std::string::npos) << outcome.output;
   const auto json = nlohmann::json::parse(on("compare", "ab", "--json").output);
   const auto& runs = json["parameters"]["suspension.k"]["runs"];
   const auto of = [&](int run, const char* key) { return runs[run][key].get<double>(); };
@@ -122,6 +125,48 @@ TEST_F(FinishedRuns, StandSideBySide) {
   EXPECT_NEAR(of(1, "difference"), (of(1, "estimate") - of(0, "estimate")) / std::hypot(deviation(0), deviation(1)),
               1e-12);
   EXPECT_EQ(of(0, "difference"), 0.0);
+  EXPECT_EQ(json["runs"][1]["sensors"]["a"]["rms_over_expected"],
+            read_summary(*runs_ / "b")["estimation"]["innovations"]["a"]["rms_over_expected"]);
+}
+
+/// The law that a comparison draws: a linear one, k d at rest or c v, with the deviation that its parameter has.
+TEST_F(FinishedRuns, HoldTheirLaw) {
+  const auto file = Hdf5File::open((*runs_ / "a" / "results.h5").string());
+  const Eigen::VectorXd rate = file.read("/law/suspension/rate"), force = file.read("/law/suspension/force");
+  EXPECT_LT((force - 10.0 * rate).norm(), 1e-9 * force.norm());  // c = 10 N s/m, not sought
+  EXPECT_LT(file.read("/law/suspension/force_std").norm(), 1e-9 * force.norm());
+}
+
+/// Exact shapes of three equal masses on equal springs.
+TEST(CorrelatedRun, IsToldAgainAsItWas) {
+  const ScratchFolder folder("correlated");
+  std::ofstream shapes(folder / "shapes.csv");
+  for (int floor = 1; floor <= 3; ++floor)
+    for (int mode = 0; mode < 3; ++mode)
+      shapes << std::sin(floor * (2 * mode + 1) * M_PI / 7.0) << (mode < 2 ? "," : "\n");
+  shapes.close();
+  const std::string file = write_case(folder, "frame.yaml", R"(kalfem: 1
+substructures:
+  frame:
+    masses: {1: 1 kg, 2: 1 kg, 3: 1 kg}
+    springs:
+      - {name: s1, from: ground, to: 1, stiffness: 1 kN/m}
+      - {name: s2, from: 1, to: 2, stiffness: 1 kN/m}
+      - {name: s3, from: 2, to: 3, stiffness: 1 kN/m}
+update:
+  parameters: {frame.s1.stiffness: {}}
+  compare:
+    modes: {modes: frame, frequencies: [2.2398607, 6.2759501, 9.0690107], deviation: 0.1 %, minimum_mac: 0.7, shapes: {file: shapes.csv, points: [1, 2, 3]}}
+)");
+  ASSERT_EQ(run_command("correlate " + file + " --out " + (folder / "out").string(), folder).code, 0);
+  const auto again = run_command("report " + (folder / "out").string(), folder);
+  EXPECT_EQ(again.code, 0) << again.errors;
+  EXPECT_NE(again.output.find("Verdict: none, modes were paired, but nothing was updated"), std::string::npos)
+      << again.output;
+  EXPECT_NE(again.output.find("Correlation of 'modes'"), std::string::npos) << again.output;
+  EXPECT_NE(again.output.find("1.000"), std::string::npos) << again.output;
+  const std::string resolved = read(folder / "out/case.resolved.yaml");
+  EXPECT_NE(resolved.find("minimum_mac: 0.7"), std::string::npos) << resolved;
 }
 
 TEST_F(FinishedRuns, OfOtherDataWarn) {

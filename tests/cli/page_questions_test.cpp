@@ -89,9 +89,9 @@ TEST_P(PageOf, AnswersTheQuestions) {
 INSTANTIATE_TEST_SUITE_P(Examples, PageOf, testing::ValuesIn(examples),
                          [](const auto& info) { return std::string(info.param.name); });
 
-TEST(PageQuestions, AreFifteen) {
+TEST(PageQuestions, AreTwentyThree) {
   const auto all = questions();
-  ASSERT_EQ(all.size(), 20U);
+  ASSERT_EQ(all.size(), 23U);
   for (const auto& question : all) {
     EXPECT_FALSE(question.elements.empty()) << question.number;
     EXPECT_EQ(question.answered.size(), std::size(examples)) << question.number;

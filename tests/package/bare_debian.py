@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Installs what scripts/package has made where nothing of this system is: in bare roots of Debian 12 by debootstrap,
 without a compiler. There each runs a measured record; the wheel also the Python lines of README.md. Prints sizes,
-seconds and processor seconds.
+seconds and processor seconds. Last, the results of twelve records for each width of vectors.
 
     bare_debian.py PACKAGES      needs root, debootstrap and the Debian mirror; exit code 77 where one is absent
 """
@@ -160,6 +160,21 @@ def check_archive(root, packages):
     require(refused.count("\n") == 1 and "and this system has 2.31" in refused, f"archive: {refused.strip()}")
 
 
+def check_references(folder, packages):
+    """The archive's command gives the committed results, for each width of vectors that this processor has."""
+    with tarfile.open(one(packages, "kalfem-*.tar.xz")) as opened:
+        opened.extractall(folder / "archive-here")
+    kalfem = next((folder / "archive-here").glob("kalfem-*/bin/kalfem"))
+    flags = pathlib.Path("/proc/cpuinfo").read_text().split()
+    for width in ["baseline"] + (["avx2"] if "avx2" in flags else []) + ["native"]:
+        settings = {name: value for name, value in os.environ.items() if name != "KALFEM_CPU"}
+        if width != "native":
+            settings["KALFEM_CPU"] = width
+        done = subprocess.run([sys.executable, PROJECT / "tools/reference_results.py", "check", "--command", kalfem],
+                              env=settings, capture_output=True, text=True)
+        require(done.returncode == 0, f"reference results at {width}: {(done.stdout + done.stderr).strip()}")
+
+
 def readme_blocks():
     """What a newcomer types: the shell block with `kalfem new`, and the Python lines."""
     blocks = blocks_of_text((PROJECT / "README.md").read_text())
@@ -236,6 +251,7 @@ def main():
         check_debian_package(bare.copy("package"), packages)
         check_wheel(bare.copy("wheel"), packages)
         check_development_package(folder, packages)
+        check_references(folder, packages)
     for file in sorted(packages.iterdir()):
         print(f"{file.stat().st_size / 1e6:8.2f} MB  {file.name}")
 

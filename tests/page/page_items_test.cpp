@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/page/page.hpp"
+#include "kalfem/page/words.hpp"
 
 namespace kalfem {
 namespace {
@@ -62,6 +65,22 @@ TEST(PageItems, FilesAreLinked) {
   const std::string html = render_html(page);
   EXPECT_EQ(count(html, "<a href=\"results.h5\">results.h5</a>"), 1u);
   EXPECT_EQ(count(html, "<a href=\"a&amp;b.vtu\">"), 1u);
+}
+
+TEST(Words, NamesKeepTheirSmallLetters) {
+  EXPECT_EQ(capitalised("converged: the next step"), "Converged: the next step");
+  EXPECT_EQ(capitalised("plane.9.bending_z and plane.1.bending_z"), "plane.9.bending_z and plane.1.bending_z");
+  EXPECT_EQ(capitalised("mu_k1 is known"), "mu_k1 is known");
+  EXPECT_EQ(capitalised("done."), "Done.");
+  EXPECT_EQ(capitalised(""), "");
+}
+
+TEST(Words, ChangesHaveNoSignWhereTheirDigitsShowNone) {
+  EXPECT_EQ(signed_per_cent(0.0137), "+1.37 %");
+  EXPECT_EQ(signed_per_cent(-0.2288), "-22.88 %");
+  EXPECT_EQ(signed_per_cent(-1e-6), "0.00 %");
+  EXPECT_EQ(signed_per_cent(1e-6), "0.00 %");
+  EXPECT_EQ(signed_per_cent(std::nan("")), "-");
 }
 
 }  // namespace

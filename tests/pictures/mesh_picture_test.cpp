@@ -157,5 +157,15 @@ TEST(MeshPicture, OddMeshesGivePictures) {
   EXPECT_EQ(svg.find("inf"), std::string::npos);
 }
 
+TEST(DrawnRegions, StandInNaturalOrder) {
+  FiniteElementModel model;
+  for (const std::string region : {"1", "2", "10", "11", "arm2", "arm10"}) {
+    model.mesh.regions[region] = {};
+    model.properties[region] = {};
+  }
+  model.properties["without cells"] = {};
+  EXPECT_EQ(drawn_regions(model), (std::vector<std::string>{"1", "2", "10", "11", "arm2", "arm10"}));
+}
+
 }  // namespace
 }  // namespace kalfem

@@ -8,6 +8,24 @@
 
 namespace kalfem {
 
+/// A shape measured at some places, over that of a mode.
+inline void add_measured_shape(Scene& scene, const std::vector<Eigen::Index>& at, const Eigen::VectorXd& shape) {
+  const Eigen::Index before = scene.places.cols(), count = std::ssize(at);
+  scene.places.conservativeResize(3, before + 2 * count);
+  for (auto& field : scene.fields)
+    field.shapes.conservativeResizeLike(Eigen::MatrixXd::Zero(3 * scene.places.cols(), field.shapes.cols()));
+  Eigen::VectorXd measured = Eigen::VectorXd::Zero(3 * scene.places.cols());
+  measured.head(3 * before) = scene.fields.front().shapes.col(0).head(3 * before);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Eigen::Index node = at[static_cast<std::size_t>(i)], rest = before + i, moving = rest + count;
+    scene.places.col(rest) = scene.places.col(moving) = scene.places.col(node);
+    measured.segment(3 * moving, 3) = shape.segment(3 * node, 3);
+    scene.lines.push_back({SceneLineKind::measured, rest, moving});
+    scene.marks.push_back({SceneMarkKind::measured, moving, ""});
+  }
+  scene.fields.push_back({.name = "measured 12.4 Hz over mode 1", .shapes = measured, .measured = true});
+}
+
 /// A plate of 2 m x 1 m on two legs, with every kind of mark and line, two modes and a motion of both.
 inline Scene sample_scene() {
   using Eigen::Index;
@@ -47,6 +65,7 @@ inline Scene sample_scene() {
   scene.fields = {{"mode 1: 12.50 Hz", shapes.col(0)},
                   {"mode 2: 31.25 Hz", shapes.col(1)},
                   motion_field("estimated motion", times, motion, 12)};
+  add_measured_shape(scene, {node(6, 6), node(12, 6), node(18, 6)}, 1.1 * shapes.col(0));
   return scene;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <regex>
 
 #include "kalfem/pictures/schematic_graph.hpp"
 
@@ -132,6 +133,98 @@ TEST(Schematic, NamesEverythingAndEscapesNames) {
 }
 
 TEST(Schematic, OfNothingIsEmpty) { EXPECT_EQ(schematic_svg({}, {}), ""); }
+
+/// Half of a car: a body of heave and pitch on two wheels, each with a strut, a friction and a load beside it, and an
+/// element between the two strokes.
+StructureParts half_car() {
+  StructureParts parts;
+  LumpedSubstructure car{.name = "car", .masses = {{"heave", 400.0}, {"pitch", 80.0}, {"uL", 50.0}, {"uR", 50.0}}};
+  for (const auto& [side, arm] : {std::pair{"L", -0.75}, {"R", 0.75}}) {
+    const std::string s = side;
+    car.points[s + "H"] = {{"heave", 1.0}, {"pitch", arm}};
+    car.points["stroke_" + s + "H"] = {{"heave", 1.0}, {"pitch", arm}, {"u" + s, -1.0}};
+    car.springs.push_back({"strut_" + s, "u" + s, s + "H", 2e4, 100.0});
+    car.springs.push_back({"tyre_" + s, "ground", "u" + s, 1e5, 100.0});
+  }
+  parts.substructures = {car};
+  const auto join = [&](const std::string& name, const std::string& from, const std::string& to) {
+    ConnectorDescription connector;
+    connector.name = name;
+    connector.from = "car." + from;
+    connector.to = "car." + to;
+    parts.connectors.push_back(connector);
+  };
+  for (const std::string side : {"L", "R"}) {
+    join("friction_" + side, "u" + side, side + "H");
+    join("load_" + side, "u" + side, side + "H");
+    join("tyreload_" + side, "ground", "u" + side);
+  }
+  join("cross", "stroke_RH", "stroke_LH");
+  return parts;
+}
+
+struct Box {
+  double left = 0.0, right = 0.0, top = 0.0, bottom = 0.0;
+  std::string text = {};
+};
+
+/// The names in a picture, with the room that letters of its size take.
+std::vector<Box> names_in(const std::string& svg) {
+  static const std::regex text(
+      "<text[^>]* x=\"([-0-9.]+)\" y=\"([-0-9.]+)\"([^>]*)>(?:<tspan[^>]*>[^<]*</tspan>)?([^<]*)</text>");
+  std::vector<Box> boxes;
+  for (std::sregex_iterator at(svg.begin(), svg.end(), text), end; at != end; ++at) {
+    const double x = std::stod((*at)[1]), y = std::stod((*at)[2]);
+    const double width = 6.4 * static_cast<double>((*at)[4].length());
+    const std::string attributes = (*at)[3];
+    const double left = attributes.find("\"end\"") != std::string::npos      ? x - width
+                        : attributes.find("\"middle\"") != std::string::npos ? x - 0.5 * width
+                                                                             : x;
+    boxes.push_back({left, left + width, y - 8.0, y, (*at)[4]});
+  }
+  return boxes;
+}
+
+/// Places all over the symbols of springs and dashpots.
+std::vector<Eigen::Vector2d> places_of_symbols(const std::string& svg) {
+  static const std::regex symbol(
+      "translate\\(([-0-9.]+) ([-0-9.]+)\\) rotate\\(([-0-9.]+)\\)\"><path class=\"(part|joint)[^>]*H([0-9.]+)\"/>");
+  std::vector<Eigen::Vector2d> places;
+  for (std::sregex_iterator at(svg.begin(), svg.end(), symbol), end; at != end; ++at) {
+    const double angle = std::stod((*at)[3]) * M_PI / 180.0, length = std::stod((*at)[5]);
+    const Eigen::Vector2d begin(std::stod((*at)[1]), std::stod((*at)[2])), along(std::cos(angle), std::sin(angle)),
+        across(-along[1], along[0]);
+    for (int k = 0; k <= 20; ++k)
+      for (int side = -11; side <= 11; ++side) places.push_back(begin + k / 20.0 * length * along + side * across);
+  }
+  return places;
+}
+
+TEST(Schematic, NoNameStandsOnASymbolOrAnotherName) {
+  auto chain = quarter_car();
+  for (const auto& parts : {half_car(), chain}) {
+    std::vector<Sensor> sensors;
+    for (const auto& substructure : parts.substructures)
+      for (const auto& mass : substructure.masses)
+        if (mass.dof != "heave" && mass.dof != "pitch")
+          sensors.push_back(sensor_at("sensor_" + mass.dof, substructure.name + "." + mass.dof));
+    if (parts.substructures.front().name == "car")
+      for (const std::string side : {"L", "R"})
+        sensors.push_back(sensor_at("sprung_" + side + "H", "car." + side + "H"));
+    const auto svg = schematic_svg(parts, sensors, {});
+    const auto names = names_in(svg);
+    ASSERT_GE(names.size(), 6U);
+    for (const auto& name : names) {
+      for (const auto& place : places_of_symbols(svg))
+        EXPECT_FALSE(place[0] > name.left && place[0] < name.right && place[1] > name.top && place[1] < name.bottom)
+            << name.text << " stands on the symbol at " << place.transpose();
+      for (const auto& other : names)
+        EXPECT_TRUE(&name == &other || name.right <= other.left || other.right <= name.left ||
+                    name.bottom <= other.top || other.bottom <= name.top)
+            << name.text << " and " << other.text;
+    }
+  }
+}
 
 }  // namespace
 }  // namespace kalfem

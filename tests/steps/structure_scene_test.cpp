@@ -6,12 +6,14 @@
 
 #include <algorithm>
 #include <fstream>
+#include <limits>
 #include <numeric>
 
 #include "base/scratch_folder.hpp"
 #include "casefile/case_run.hpp"
 #include "kalfem/pictures/nodal_translations.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/modes/measured_shapes.hpp"
 #include "kalfem/steps/modes/outcome.hpp"
 #include "kalfem/steps/simulation/outcome.hpp"
 
@@ -188,6 +190,47 @@ TEST(StructureScene, MatricesWithoutAMeshHaveNone) {
   Study study;
   study.structure = std::make_shared<StructureModel>();
   EXPECT_FALSE(structure_scene(study, {}, FiniteElementPart{.name = "matrices"}));
+}
+
+/// Shapes in another scale and of the other sign, with an error at one sensor and an entry that was not measured.
+TEST_F(MastScene, HasMeasuredShapesInScaleAndPhaseOfTheModel) {
+  const auto& modes = *std::ranges::find(results_.get<ModesOutcome>().substructures, "mast", &SubstructureModes::name);
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  CorrelatedComparison comparison{.name = "tap", .substructure = "mast", .above = 0.5 * modes.frequencies[0]};
+  comparison.points = {{{"tip.x", 1.0}}, {{"tip.z", -2.0}}, {{"knee.y", 1.0}}, {{"middle.x", 1.0}, {"knee.x", 1.0}}};
+  const auto model = [&](Index mode, Index node, Index direction) {
+    return nodal_translations(part(), modes.shapes.col(mode))(direction, node);
+  };
+  const auto& mesh = part().elements.mesh;
+  const Index at_tip = nearest_node(mesh, tip), at_knee = nearest_node(mesh, knee);
+  for (const Index mode : {1, 0}) {
+    const Eigen::Vector4d entries(model(mode, at_tip, 0), -2.0 * model(mode, at_tip, 2), mode == 1 ? none : 0.0, 17.0);
+    comparison.measured.push_back({.frequency = 1.01 * modes.frequencies[mode], .shape = -30.0 * entries});
+    comparison.correlation.pairs.push_back({.measured = comparison.measured.size() - 1,
+                                            .model_mode = static_cast<int>(mode) + 1,
+                                            .measured_frequency = comparison.measured.back().frequency,
+                                            .model_frequency = modes.frequencies[mode],
+                                            .mac = 0.9});
+  }
+  comparison.correlation.pairs.push_back({.measured = 0, .model_mode = 40});  // beyond the modes that are known
+  comparison.correlation.pairs.push_back({.measured = 0});                    // pairs with nothing
+  const auto shapes = measured_shapes(comparison, part(), modes);
+  EXPECT_EQ(shapes.nodes, (std::vector{at_tip, at_knee}));
+  ASSERT_EQ(shapes.pairs.size(), 2u);
+  for (const auto& pair : shapes.pairs) {
+    EXPECT_TRUE(pair.name.starts_with("measured ")) << pair.name;
+    const Vector3d expected(model(pair.mode, at_tip, 0), 0.0, model(pair.mode, at_tip, 2));
+    EXPECT_LT((pair.displacement.col(0) - expected).norm(), 1e-12 * expected.norm()) << pair.name;
+    EXPECT_EQ(pair.displacement.col(1), Vector3d(0, 0, 0));
+  }
+  results_.put(CorrelationOutcome{.comparisons = {comparison}});
+  const auto scene = structure_scene(study_, results_, part()).value();
+  EXPECT_TRUE(mistakes_of(scene).empty());
+  EXPECT_EQ(scene.places.cols(), scene_.places.cols() + 4);
+  ASSERT_EQ(scene.fields.size(), scene_.fields.size() + 2);
+  EXPECT_TRUE(scene.fields[0].measured && scene.fields[1].measured && !scene.fields[2].measured);
+  EXPECT_LT((scene.fields[0].shapes.topRows(12) - at_places(modes.shapes.col(1)).reshaped()).norm(), 1e-12);
+  EXPECT_EQ(scene.fields[2].shapes.bottomRows(12).norm(), 0.0);
 }
 
 }  // namespace

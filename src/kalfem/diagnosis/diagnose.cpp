@@ -347,6 +347,10 @@ private:
                                   .words = failed ? "" : hypothesis.words(values_[h], score.estimates),
                                   .remedy = hypothesis.remedy,
                                   .value = values_[h],
+                                  .turned = hypothesis.turned,
+                                  .forces = failed || !hypothesis.forces
+                                                ? std::vector<LackingForce>{}
+                                                : hypothesis.forces(values_[h], score.estimates),
                                   .fitted = hypothesis.fitted,
                                   .failed = failed,
                                   .explains = !failed && explains(hypothesis, score),

@@ -3,16 +3,29 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace kalfem {
+
+/// A force that a connector lacks beside its law: K g(x, v; s) between the same points, g as in the law `expression`.
+struct LackingForce {
+  std::string name;  ///< of a connector that has it: "suspension_cubic_stiffness"
+  std::string from, to;
+  std::string force;                                        ///< "K*x^3"
+  std::vector<std::pair<std::string, std::string>> states;  ///< of the force, each with its rate
+  double factor = 0.0, deviation = 0.0;                     ///< K as it was found, and the width of its prior [SI]
+  std::optional<double> place;                              ///< s, where the force has one [SI]
+};
 
 /// A mistake that was undone, and how well the record fits then.
 struct TestedHypothesis {
   std::string code, subject;
   std::string words;  ///< the mistake, with the numbers that fit best
   std::string remedy;
-  double value = 0.0;  ///< its number: a factor, a delay in samples, an offset
+  double value = 0.0;   ///< its number: a factor, a delay in samples, an offset
+  bool turned = false;  ///< the channel's sign is wrong besides
+  std::vector<LackingForce> forces = {};
   int fitted = 0;
   bool failed = false;   ///< whether the corrected filter stopped
   bool explains = true;  ///< false: it only widens noise, and innovations are not white and even by it

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "kalfem/diagnosis/diagnosis.hpp"
 #include "kalfem/estimation/estimate.hpp"
 #include "kalfem/identification/filter_run.hpp"
 #include "kalfem/identification/step_budget.hpp"
@@ -55,6 +56,9 @@ struct Hypothesis {
   /// `estimates`: of the unknowns at the end of the corrected run.
   std::function<std::string(double value, const Eigen::VectorXd& estimates)> words;
   std::string remedy;
+  bool turned = false;  ///< a gain that is negative besides
+  /// What a connector lacks, with the numbers found; empty: this is about something else.
+  std::function<std::vector<LackingForce>(double value, const Eigen::VectorXd& estimates)> forces = {};
 };
 
 /// x such as 3.2, 0.047 or 1.2e-05 for a sentence.

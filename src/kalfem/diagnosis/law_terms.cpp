@@ -69,6 +69,20 @@ std::string in_words(const LawTerm& term, double place, double coefficient) {
   return text + fmt::format(" ({:.3g} {})", coefficient, term.unit);
 }
 
+LackingForce lacking_force(const ConnectorDescription& connector, const ChosenTerm& chosen, double coefficient) {
+  const LawTerm& term = chosen.term;
+  LackingForce lacking{.name = connector.name + "_" + term.name,
+                       .from = connector.from,
+                       .to = connector.to,
+                       .force = term.force,
+                       .factor = coefficient,
+                       .deviation = term.deviation};
+  std::ranges::replace(lacking.name, ' ', '_');
+  for (const auto& state : term.states) lacking.states.emplace_back(state.quantity.name, state.rate);
+  if (term.searched()) lacking.place = chosen.place;
+  return lacking;
+}
+
 }  // namespace
 
 std::vector<LawTerm> law_terms(const ConnectorMotion& motion) {
@@ -156,38 +170,46 @@ Hypothesis lacking_terms(const DiagnosisInput& input, const ConnectorDescription
     chosen[searched].place = place;
     return chosen;
   };
-  return {.code = "wrong_law",
-          .subject = connector.name,
-          .starts = sought.starts,
-          .search = sought.searched() ? Search::factor : Search::none,
-          .step = 0.15,
-          .fitted = fitted,
-          .correct =
-              [&input, connector, at, sought](double place) {
-                if (sought.searched() && (place < sought.least || place > sought.most))
-                  throw InvalidInput("the number of a further force", "it is beyond what the record shows", "");
-                FurtherTerms further{input.parts, {}};
-                for (const auto& [term, value] : at(place)) add_term(connector, term, value, further);
-                auto changed = std::make_shared<EstimationProblem>(*input.problem);
-                auto structure = std::make_shared<StructureModel>(*input.problem->structure);
-                structure->parts.connectors = further.parts.connectors;
-                changed->structure = structure;
-                for (auto& unknown : further.unknowns) changed->settings.unknowns.push_back(std::move(unknown));
-                return CorrectedRun{input.run_of(changed, further.parts), 0.0};
-              },
-          .words =
-              [connector, at, first](double place, const VectorXd& estimates) {
-                const auto chosen = at(place);
-                std::string text = fmt::format("connector '{}' does not follow its law '{}': the record asks for ",
-                                               connector.name, connector.law->name());
-                for (std::size_t i = 0; i < chosen.size(); ++i)
-                  text += (i == 0                   ? ""
-                           : i + 1 == chosen.size() ? " and "
-                                                    : ", ") +
-                          in_words(chosen[i].term, chosen[i].place, estimates[first + static_cast<Index>(i)]);
-                return text;
-              },
-          .remedy = fmt::format("try another law for '{}', such as {}", connector.name, fmt::join(laws, ", and "))};
+  return {
+      .code = "wrong_law",
+      .subject = connector.name,
+      .starts = sought.starts,
+      .search = sought.searched() ? Search::factor : Search::none,
+      .step = 0.15,
+      .fitted = fitted,
+      .correct =
+          [&input, connector, at, sought](double place) {
+            if (sought.searched() && (place < sought.least || place > sought.most))
+              throw InvalidInput("the number of a further force", "it is beyond what the record shows", "");
+            FurtherTerms further{input.parts, {}};
+            for (const auto& [term, value] : at(place)) add_term(connector, term, value, further);
+            auto changed = std::make_shared<EstimationProblem>(*input.problem);
+            auto structure = std::make_shared<StructureModel>(*input.problem->structure);
+            structure->parts.connectors = further.parts.connectors;
+            changed->structure = structure;
+            for (auto& unknown : further.unknowns) changed->settings.unknowns.push_back(std::move(unknown));
+            return CorrectedRun{input.run_of(changed, further.parts), 0.0};
+          },
+      .words =
+          [connector, at, first](double place, const VectorXd& estimates) {
+            const auto chosen = at(place);
+            std::string text = fmt::format("connector '{}' does not follow its law '{}': the record asks for ",
+                                           connector.name, connector.law->name());
+            for (std::size_t i = 0; i < chosen.size(); ++i)
+              text += (i == 0                   ? ""
+                       : i + 1 == chosen.size() ? " and "
+                                                : ", ") +
+                      in_words(chosen[i].term, chosen[i].place, estimates[first + static_cast<Index>(i)]);
+            return text;
+          },
+      .remedy = fmt::format("try another law for '{}', such as {}", connector.name, fmt::join(laws, ", and ")),
+      .forces =
+          [connector, at, first](double place, const VectorXd& estimates) {
+            std::vector<LackingForce> forces;
+            for (const auto& chosen : at(place))
+              forces.push_back(lacking_force(connector, chosen, estimates[first + static_cast<Index>(forces.size())]));
+            return forces;
+          }};
 }
 
 }  // namespace kalfem

@@ -124,7 +124,8 @@ private:
                               return fmt::format("the unit of '{}' is wrong by {}: {}", name, in_words(factor),
                                                  unit_mistake(factor).value_or(""));
                             },
-                        .remedy = "correct the unit of the channel '" + name_ + "' in the record or in the case"});
+                        .remedy = "correct the unit of the channel '" + name_ + "' in the record or in the case",
+                        .turned = turned < 0.0});
     if (known && std::abs(std::log(gain)) > worth_a_gain)
       found_.push_back({.code = "sensor_gain",
                         .subject = name_,
@@ -137,7 +138,8 @@ private:
                             [name = name_](double factor, const auto&) {
                               return fmt::format("'{}' is {} times as large as it should be", name, in_words(factor));
                             },
-                        .remedy = "check the sensitivity and the unit of '" + name_ + "'"});
+                        .remedy = "check the sensitivity and the unit of '" + name_ + "'",
+                        .turned = turned < 0.0});
   }
 
   void add_delay() {

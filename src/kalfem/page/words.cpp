@@ -65,9 +65,20 @@ std::string speed_in_words(double ratio) {
                       : fmt::format("{:.3g} times slower than real time", 1.0 / ratio);
 }
 
-std::string sentence(std::string words) {
-  if (!words.empty()) words[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(words[0])));
-  return words + "\n";
+std::string signed_per_cent(double ratio) {
+  if (!std::isfinite(ratio)) return "-";
+  const std::string words = fmt::format("{:+.2f} %", 100.0 * ratio);
+  return words.substr(1) == "0.00 %" ? words.substr(1) : words;
 }
+
+std::string capitalised(std::string words) {
+  const std::string first = words.substr(0, words.find(' '));
+  const auto mark = first.find_first_of("._");
+  const bool is_name = mark != std::string::npos && mark + 1 < first.size();
+  if (!words.empty() && !is_name) words[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(words[0])));
+  return words;
+}
+
+std::string sentence(std::string words) { return capitalised(std::move(words)) + "\n"; }
 
 }  // namespace kalfem

@@ -21,7 +21,12 @@ std::string per_cent(double ratio);
 std::string counted(Eigen::Index count, const std::string& noun);
 /// "12 times faster than real time": of a filter, by the time of the record over that of its computation.
 std::string speed_in_words(double ratio);
-/// A line of its own that starts with a capital.
+/// A change as a ratio with its sign and two decimals, "+1.37 %"; "0.00 %" where these show none, "-" where it is not
+/// finite.
+std::string signed_per_cent(double ratio);
+/// With a capital at its start, unless the first word is a name such as body.3.mass or mu_k1.
+std::string capitalised(std::string words);
+/// A line of its own, capitalised.
 std::string sentence(std::string words);
 
 }  // namespace kalfem

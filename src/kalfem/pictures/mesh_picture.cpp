@@ -9,6 +9,7 @@
 #include <numbers>
 #include <set>
 
+#include "kalfem/base/natural_order.hpp"
 #include "kalfem/base/text.hpp"
 
 namespace kalfem {
@@ -459,7 +460,7 @@ std::vector<std::string> drawable_regions(const Mesh& mesh) {
     if (std::ranges::any_of(cells,
                             [&](auto cell) { return dimension(mesh.cells[static_cast<std::size_t>(cell)].shape) > 0; }))
       names.push_back(region);
-  return names;
+  return in_natural_order(std::move(names));
 }
 
 }  // namespace
@@ -470,7 +471,7 @@ std::vector<std::string> drawn_regions(const FiniteElementModel& model) {
   std::vector<std::string> names;
   for (const auto& [region, property] : model.properties)
     if (model.mesh.regions.contains(region)) names.push_back(region);
-  return names;
+  return in_natural_order(std::move(names));
 }
 
 std::string mesh_picture_svg(const Mesh& mesh, const MeshPictureOptions& options) {

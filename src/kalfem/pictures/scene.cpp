@@ -72,6 +72,8 @@ const char* name(SceneMarkKind kind) {
       return "spring";
     case SceneMarkKind::mass:
       return "mass";
+    case SceneMarkKind::measured:
+      return "measured";
     case SceneMarkKind::support:
       break;
   }
@@ -91,6 +93,7 @@ Json field_json(const SceneField& field) {
   Json shapes = Json::array();
   for (const auto shape : field.shapes.colwise()) shapes.push_back(shape_json(shape));
   Json json{{"name", field.name}, {"peak", peak_of(field)}, {"shapes", std::move(shapes)}};
+  if (field.measured) json["measured"] = true;
   if (field.times.empty()) return json;
   json["times"] = packed<float>(field.times);
   json["coordinates"] = packed<float>(field.coordinates.reshaped());
@@ -170,8 +173,10 @@ Json as_json(const Scene& scene) {
   Json marks = Json::array(), lines = Json::array(), fields = Json::array();
   for (const auto& mark : scene.marks)
     marks.push_back({{"kind", name(mark.kind)}, {"place", mark.place}, {"label", mark.label}});
-  for (const auto& line : scene.lines)
+  for (const auto& line : scene.lines) {
     lines.push_back({{"dashed", line.kind == SceneLineKind::connector}, {"places", {line.from, line.to}}});
+    if (line.kind == SceneLineKind::measured) lines.back()["measured"] = true;
+  }
   for (const auto& field : scene.fields) fields.push_back(field_json(field));
   return {{"places", packed<float>(scene.places.reshaped())},
           {"faces", faces_json(scene.faces)},

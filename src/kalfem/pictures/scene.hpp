@@ -11,7 +11,8 @@
 namespace kalfem {
 
 /// What a symbol on a structure stands for.
-enum class SceneMarkKind { sensor, input, boundary, connector, spring, mass, support };
+/// `measured`: where a sensor was in a measured shape, only with fields that hold one.
+enum class SceneMarkKind { sensor, input, boundary, connector, spring, mass, support, measured };
 
 /// A symbol at a place of a structure; it moves with the structure.
 struct SceneMark {
@@ -21,8 +22,9 @@ struct SceneMark {
 };
 
 enum class SceneLineKind {
-  link,      ///< a rigid or weighted link: thin
-  connector  ///< a connector or a spring: dashed
+  link,       ///< a rigid or weighted link: thin
+  connector,  ///< a connector or a spring: dashed
+  measured    ///< from a place at rest to where it was measured: thick, only with fields that hold a measured shape
 };
 
 /// A line between two places that is no part of the mesh.
@@ -37,6 +39,7 @@ struct SceneField {
   Eigen::MatrixXd shapes;            ///< s, 3 places x shapes: x, y and z of the first place, of the second, ... [m]
   std::vector<double> times = {};    ///< of a motion, increasing [s]; empty: a mode, with one shape
   Eigen::MatrixXd coordinates = {};  ///< q of a motion [-], shapes x times
+  bool measured = false;             ///< a measured shape stands beside that of the model
 };
 
 /// A structure that the reader of a page turns, and that takes the shapes of its modes and motions.

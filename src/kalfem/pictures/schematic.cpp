@@ -19,7 +19,8 @@ using Eigen::Vector2d;
 
 constexpr double mass_width = 74.0, mass_height = 22.0;
 constexpr double column = 128.0, side = 84.0, above = 22.0, below = 44.0;
-constexpr double beside = 20.0;  ///< between edges that join the same nodes
+constexpr double half_symbol = 11.0;  ///< of a spring beside a dashpot, across
+constexpr double beside = 28.0;  ///< between edges that join the same nodes: more than a spring beside a dashpot fills
 
 const char* style =
     "<style>.schematic text{fill:var(--text,#1b2129)}.schematic .quiet{fill:var(--muted,#5b6673)}"
@@ -28,7 +29,8 @@ const char* style =
     ".schematic .part{stroke:var(--muted,#5b6673);stroke-width:1.3;fill:none}"
     ".schematic .joint{stroke:var(--predicted,#d55e00);stroke-width:1.7;fill:none}"
     ".schematic .sought{stroke-width:2.6}.schematic .sought-name{font-weight:700}"
-    ".schematic .sensor{fill:var(--estimate,#0072b2)}.schematic .input{fill:var(--limit,#008f68)}"
+    ".schematic .sensor,.schematic text .sensor{fill:var(--estimate,#0072b2)}.schematic "
+    ".input{fill:var(--limit,#008f68)}"
     ".schematic .link{stroke:var(--line,#c9cfd6);stroke-width:1.3;fill:none;stroke-dasharray:3 3}</style>";
 
 /// A zigzag along x from 0 to `length`, its ends straight.
@@ -60,7 +62,10 @@ public:
 
   std::string svg() {
     std::string shapes, joints;
-    for (const auto& edge : graph_.edges) ++parallel_[std::minmax(edge.from, edge.to)];
+    for (const auto& edge : graph_.edges) {
+      ++parallel_[std::minmax(edge.from, edge.to)];
+      if (!edge.label.empty()) ++labels_[std::minmax(edge.from, edge.to)];
+    }
     for (std::size_t e = 0; e < graph_.edges.size(); ++e) joints += edge(graph_.edges[e]);
     for (const auto& node : graph_.nodes) shapes += this->node(node);
     joints += names_;  // on top of what they name
@@ -101,9 +106,15 @@ private:
     if (edge.label.empty()) return "";
     const auto pair = std::minmax(edge.from, edge.to);
     const bool upright = std::abs(centre(graph_.nodes[edge.from])[1] - centre(graph_.nodes[edge.to])[1]) > 1.0;
-    const double outermost = upright ? beside * static_cast<double>(parallel_[pair] / 2) : -34.0;
-    const double line = 13.0 * named_[pair]++;
-    names_ += name_of(edge, middle + Vector2d(outermost, upright ? line - 8.0 : line + 18.0));
+    const Vector2d step =
+        (attachment(graph_.nodes[edge.to], middle) - attachment(graph_.nodes[edge.from], middle)).cwiseAbs();
+    // A symbol that leans reaches further, by its slope, beside the lowest and highest line of the names.
+    const double slope = upright ? step[0] / step[1] : 0.0, wider = std::hypot(1.0, slope);
+    const double outermost = upright ? (beside * static_cast<double>(parallel_[pair] / 2) + half_symbol) * wider -
+                                           half_symbol + slope * (6.5 * labels_[pair] + 2.0)
+                                     : -34.0;
+    const double line = 13.0 * named_[pair]++, centred = line - 6.5 * (labels_[pair] - 1);
+    names_ += name_of(edge, middle + Vector2d(outermost, upright ? centred : line + 18.0));
     return "";
   }
 
@@ -175,6 +186,7 @@ private:
     if (node.kind == SchematicNodeKind::ground) return ground(node, at);
     const double half = node.kind == SchematicNodeKind::point ? 6.0 : 0.5 * (mass_width + column * node.span);
     std::string svg;
+    if (node.kind == SchematicNodeKind::point && !joined_above(node)) return point_below_its_names(node, at);
     if (node.kind == SchematicNodeKind::point)
       svg = fmt::format(
           "<circle class=\"mass\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\"/><text class=\"quiet named\" "
@@ -187,6 +199,29 @@ private:
           at[0] - half, at[1] - 0.5 * mass_height, 2.0 * half, mass_height, at[0], at[1] + 4.0,
           escaped(node.span > 0.0 ? node.name : fitted(node.name)));
     return svg + sensors(node, at + Vector2d(half, 0.0)) + forces(node, at - Vector2d(half, 0.0));
+  }
+
+  /// Whether a symbol, other than a link, leads from the node to a higher layer.
+  [[nodiscard]] bool joined_above(const SchematicNode& node) const {
+    return std::ranges::any_of(graph_.edges, [&](const SchematicEdge& edge) {
+      const auto &from = graph_.nodes[edge.from], &to = graph_.nodes[edge.to];
+      return edge.kind != SchematicEdgeKind::link &&
+             ((&from == &node && to.layer > node.layer) || (&to == &node && from.layer > node.layer));
+    });
+  }
+
+  /// A point with its name and the names of its sensors above it, where no symbol is.
+  [[nodiscard]] static std::string point_below_its_names(const SchematicNode& node, const Vector2d& at) {
+    std::string svg = fmt::format(
+        "<circle class=\"mass\" cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"4\"/><text class=\"quiet named\" x=\"{0:.1f}\" "
+        "y=\"{2:.1f}\" font-size=\"10\" text-anchor=\"middle\">{3}</text>",
+        at[0], at[1], at[1] - 14.0, escaped(node.name));
+    if (!node.sensors.empty())
+      svg += fmt::format(
+          "<text class=\"named\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\"><tspan class=\"sensor\">▼ "
+          "</tspan>{}</text>",
+          at[0], at[1] - 26.0, escaped(fmt::format("{}", fmt::join(node.sensors, ", "))));
+    return svg + forces(node, at - Vector2d(6.0, 0.0));
   }
 
   /// A name that fits into a mass; its end tells the parts of one substructure apart.
@@ -234,8 +269,8 @@ private:
   const SchematicGraph& graph_;
   double row_, width_, height_;
   std::map<std::pair<std::size_t, std::size_t>, int> passed_;  ///< edges that were drawn between two nodes
-  std::map<std::pair<std::size_t, std::size_t>, int> parallel_,
-      named_;  ///< all of them, and names that stand beside them
+  std::map<std::pair<std::size_t, std::size_t>, int> parallel_, labels_,
+      named_;  ///< all of them, those with a name, and names that stand beside them by now
   std::string names_;
 };
 

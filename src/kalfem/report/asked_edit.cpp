@@ -5,11 +5,12 @@
 #include <cmath>
 
 #include "kalfem/page/display_unit.hpp"
+#include "kalfem/report/case_edit.hpp"
 #include "kalfem/report/study_page.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
 #include "kalfem/steps/study_results.hpp"
 
-// The reasons for doubt that one number of the case would mend, as lines of the case file.
+// What the verdict doubts and keys of the case would mend, as lines of the case file.
 
 namespace kalfem {
 namespace {
@@ -36,27 +37,55 @@ std::optional<double> consistent_noise(const EstimationOutcome& outcome, Index r
   return std::isfinite(noise) && noise > 0.0 ? std::optional(noise) : std::nullopt;
 }
 
-}  // namespace
-
-std::optional<Listing> asked_edit(const StudyResults& results) {
-  const auto* estimation = results.find<EstimationOutcome>();
-  if (!estimation || !estimation->has_samples()) return std::nullopt;
-  const auto& channels = estimation->measurements.channels;
-  std::string lines;
+/// Sensors whose noise is as large as what the model leaves over. Where another cause was found, innovations that are
+/// too large are its effect.
+std::vector<std::string> noise_lines(const StudyResults& results, const EstimationOutcome& estimation, bool has_cause) {
+  const auto& channels = estimation.measurements.channels;
+  std::vector<std::string> lines;
   for (const auto& reason : results.verdict.reasons()) {
-    if (reason.code != "noise_too_large" && reason.code != "innovation_large") continue;
+    if (reason.code != "noise_too_large" && (has_cause || reason.code != "innovation_large")) continue;
     const auto channel = std::ranges::find(channels, reason.subject, &Channel::name);
     if (channel == channels.end()) continue;
-    if (const auto noise = consistent_noise(*estimation, static_cast<Index>(channel - channels.begin())))
-      lines += fmt::format("  {}: {{noise: {}}}\n", channel->name, edited(*noise, channel->unit));
+    if (const auto noise = consistent_noise(estimation, static_cast<Index>(channel - channels.begin())))
+      lines.push_back(fmt::format("{}: {{noise: {}}}", channel->name, edited(*noise, channel->unit)));
   }
-  if (lines.empty()) return std::nullopt;
+  return lines;
+}
+
+/// "body.3.mass: {initial: 1 kg, std: 0.1 kg}" of the edits of a proposed case.
+std::vector<std::string> freed_lines(const ProposedCase& proposed) {
+  constexpr std::string_view section = "estimate.unknown.";
+  std::vector<std::string> lines;
+  for (const auto& edit : proposed.edits)
+    if (edit.starts_with(section)) lines.push_back(edit.substr(section.size()));
+  return lines;
+}
+
+}  // namespace
+
+std::optional<Listing> asked_edit(const Study& study, const StudyResults& results) {
+  const auto* estimation = results.find<EstimationOutcome>();
+  if (!estimation || results.verdict.reasons().empty()) return std::nullopt;
+  const auto cause = estimation->diagnosis ? estimation->diagnosis->cause() : std::nullopt;
+  CaseEdit edit = cause ? edit_against(*cause, study, *estimation) : CaseEdit{};
+  std::string caption = cause ? "Undoes the mistake that explains the record best." : "";
+  if (results.proposed) {
+    const auto freed = freed_lines(*results.proposed);
+    edit.unknowns.insert(edit.unknowns.end(), freed.begin(), freed.end());
+    caption = "case.proposed.yaml is the whole case with these unknowns: the record asks for them.";
+  }
+  if (estimation->has_samples() && (!cause || cause->code != "sensor_noise"))
+    if (const auto noise = noise_lines(results, *estimation, !edit.empty()); !noise.empty()) {
+      edit.sensors.insert(edit.sensors.end(), noise.begin(), noise.end());
+      caption += std::string(caption.empty() ? "" : " ") +
+                 "Noise as large as what the model leaves over: change it in the case, or its model where the noise is "
+                 "known better.";
+    }
+  if (edit.empty()) return std::nullopt;
   return Listing{.title = "The edit that the verdict asks for",
-                 .text = "sensors:\n" + lines,
+                 .text = edit.yaml(),
                  .folded = false,
-                 .caption =
-                     "Noise as large as what the model leaves over. Change these numbers in the case, or its "
-                     "model where the noise is known better."};
+                 .caption = std::move(caption)};
 }
 
 }  // namespace kalfem

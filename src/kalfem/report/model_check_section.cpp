@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <set>
 
+#include "kalfem/base/natural_order.hpp"
 #include "kalfem/model/finite_element_model.hpp"
 #include "kalfem/model/gauges/nearest_place.hpp"
 #include "kalfem/page/words.hpp"
@@ -74,6 +75,17 @@ std::vector<DeckNote> by_weight(std::vector<DeckNote> notes) {
   return notes;
 }
 
+/// The rows in the natural order of the names in their first column.
+Table by_name(Table table) {
+  std::ranges::stable_sort(table.rows, natural_less, [](const auto& row) -> const std::string& { return row.front(); });
+  return table;
+}
+
+/// A vector without what rounding leaves of its zeros: less than 1e-12 of `size`, which its entries have else.
+Eigen::Vector3d without_rounding(const Eigen::Vector3d& values, double size) {
+  return (values.array().abs() < 1e-12 * size).select(0.0, values.array()).matrix();
+}
+
 }  // namespace
 
 ModelCheckReport model_check_of(const FiniteElementPart& part, const ModelCheckOptions& given) {
@@ -91,9 +103,9 @@ ModelCheckReport model_check_of(const FiniteElementPart& part, const ModelCheckO
 Table findings_table(const ModelCheckReport& report) {
   Table table{"Findings", {"", "about", "found", "it follows", "to do"}, {}, {}};
   for (const auto& finding : report.findings)
-    table.rows.push_back(
-        {to_string(finding.severity), to_string(finding.topic), finding.what, finding.why, finding.fix});
-  return table;
+    table.rows.push_back({to_string(finding.severity), to_string(finding.topic), finding.what,
+                          finding.why.empty() ? "-" : finding.why, finding.fix.empty() ? "-" : finding.fix});
+  return without_empty_columns(std::move(table));
 }
 
 Table properties_table(const ModelCheckReport& report) {
@@ -106,12 +118,14 @@ Table properties_table(const ModelCheckReport& report) {
   if (report.mass) {
     const auto& [mass, centre, inertia] = *report.mass;
     add("mass [kg]", four_digits(mass));
-    add("centre of gravity [m]", vector_text(centre));
+    const double size = report.cells > 0 ? (report.highest - report.lowest).norm() : centre.norm();
+    add("centre of gravity [m]", vector_text(without_rounding(centre, size)));
     if (report.moving_mass && report.moving_mass->minCoeff() < (1.0 - 1e-9) * mass)
       add("mass free to move along x, y, z [kg]", vector_text(*report.moving_mass));
     add("inertia about the centre of gravity: xx, yy, zz [kg m^2]", vector_text(inertia.diagonal()));
     add("inertia about the centre of gravity: xy, yz, xz [kg m^2]",
-        vector_text({inertia(0, 1), inertia(1, 2), inertia(0, 2)}));
+        vector_text(
+            without_rounding({inertia(0, 1), inertia(1, 2), inertia(0, 2)}, inertia.diagonal().cwiseAbs().maxCoeff())));
   }
   if (report.grounding) {
     add("free rigid-body motions", motions_text(*report.grounding, false));
@@ -135,7 +149,7 @@ Table regions_table(const ModelCheckReport& report) {
     table.rows.push_back({region.name, region.kind.empty() ? "none" : region.kind,
                           region.material.empty() ? "-" : region.material, std::to_string(region.cells),
                           four_digits(region.measure), four_digits(region.mass)});
-  return table;
+  return by_name(std::move(table));
 }
 
 Table materials_table(const ModelCheckReport& report) {
@@ -143,13 +157,13 @@ Table materials_table(const ModelCheckReport& report) {
       "Materials", {"material", "E [Pa]", "nu", "rho [kg/m^3]", "sqrt(E/rho) [m/s]", "resembles", "used by"}, {}, {}};
   for (const auto& material : report.materials) {
     std::string users;
-    for (const auto& region : material.used_by) users += (users.empty() ? "" : ", ") + region;
+    for (const auto& region : in_natural_order(material.used_by)) users += (users.empty() ? "" : ", ") + region;
     table.rows.push_back({material.name, four_digits(material.values.youngs_modulus),
                           four_digits(material.values.poissons_ratio), four_digits(material.values.density),
                           four_digits(material.wave_speed), material.resembles.empty() ? "-" : material.resembles,
                           users.empty() ? "nothing" : users});
   }
-  return table;
+  return by_name(std::move(table));
 }
 
 Table quality_table(const ModelCheckReport& report) {
@@ -161,7 +175,7 @@ Table quality_table(const ModelCheckReport& report) {
     for (const auto& measure : region.measures)
       row.push_back(four_digits(measure.worst) + (measure.beyond > 0 ? fmt::format(" ({})", measure.beyond) : ""));
   }
-  return table;
+  return by_name(std::move(table));
 }
 
 Table places_table(const FiniteElementPart& part) {

@@ -26,7 +26,7 @@ Section overview_section(const Study& study, const StudyResults& results) {
     section.items.emplace_back(identified_parameter_table(found));
   const auto* estimation = results.find<EstimationOutcome>();
   LawOverview law = estimation ? law_overview(study, *estimation) : LawOverview{};
-  if (auto edit = asked_edit(results)) section.items.emplace_back(std::move(*edit));
+  if (auto edit = asked_edit(study, results)) section.items.emplace_back(std::move(*edit));
   if (law.equation) section.items.emplace_back(std::move(*law.equation));
   if (law.force) section.aside = section.items.size();
   if (law.force) section.items.emplace_back(std::move(*law.force));

@@ -13,8 +13,8 @@ namespace kalfem {
 /// The first sentences of the page: what was found, from how many sensors, how sure that is, and what to do next.
 std::string answer(const Study& study, const StudyResults& results);
 
-/// Lines of the case that mend what the verdict doubts, to be copied; nothing where no number of the case does.
-std::optional<Listing> asked_edit(const StudyResults& results);
+/// Lines of the case that mend what the verdict doubts, to be copied; nothing where no key of the case does.
+std::optional<Listing> asked_edit(const Study& study, const StudyResults& results);
 
 /// The structure with its named sensors, connectors, excitations and grounds: the mesh of the largest finite-element
 /// substructure where there is one, otherwise a schematic of masses. Nothing where there is nothing to draw.

@@ -14,9 +14,10 @@ bool has_verdict(const StudyResults& results) {
          results.has<InferenceOutcome>() || !results.complete() || !results.verdict.reasons().empty();
 }
 
-std::string why_no_verdict(const StudyResults& results) {
-  return results.has<CorrelationOutcome>() ? "modes were paired, but nothing was updated"
-                                           : "nothing was compared with measurements";
+std::string why_no_verdict(bool modes_paired) {
+  return modes_paired ? "modes were paired, but nothing was updated" : "nothing was compared with measurements";
 }
+
+std::string why_no_verdict(const StudyResults& results) { return why_no_verdict(results.has<CorrelationOutcome>()); }
 
 }  // namespace kalfem

@@ -139,3 +139,41 @@ test("the first sheet of paper is full", async () => {
   const {bottom} = await page.locator("#section-1").evaluate(node => node.getBoundingClientRect());
   assert.ok(bottom > 0.6 * 1017, `${bottom}`);
 });
+
+test("on paper nothing is cut, numbers keep to one line, and there are no buttons", async () => {
+  for (const name of Object.keys(runs)) {
+    const page = await opened(name, "wide", {viewport: {width: 690, height: 1017}});
+    await page.emulateMedia({media: "print"});
+    await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
+    const {cut, broken, buttons} = await page.evaluate(() => {
+      const seen = node => node.getClientRects().length > 0;
+      const lines = node => {
+        const range = document.createRange();
+        range.selectNodeContents(node);
+        return new Set([...range.getClientRects()].map(({bottom}) => Math.round(bottom / 4))).size;
+      };
+      return {
+        cut: [...document.querySelectorAll(".table, .chart, figure")].filter(seen)
+            .filter(node => node.scrollWidth > node.clientWidth + 1 || node.getBoundingClientRect().right > 691)
+            .map(node => node.textContent.slice(0, 60)),
+        broken: [...document.querySelectorAll("td.right")].filter(seen).filter(cell => !cell.querySelector("svg") && lines(cell) > 1)
+            .map(cell => cell.textContent),
+        buttons: [...document.querySelectorAll("button, select, input")].filter(node => seen(node) && !node.closest(".legend")).map(node => node.textContent),
+      };
+    });
+    assert.deepEqual({cut, broken, buttons}, {cut: [], broken: [], buttons: []}, name);
+  }
+});
+
+test("the force of a strut stands over time with its band and its extremes", async () => {
+  const page = await opened("chain", "wide");
+  const chart = page.locator("#chart-suspension-force");
+  assert.equal(await chart.count(), 1);
+  const data = JSON.parse(await page.locator("#chart-data").textContent())[Number(await chart.getAttribute("data-chart"))];
+  const [force] = data.series;
+  assert.ok(force.lower.every((low, i) => low === null || low <= force.upper[i]));
+  const row = page.locator(".table", {hasText: "Forces after settling"}).locator("tbody tr").first();
+  assert.match(await row.textContent(), /suspension/);
+  const [low, high] = (await row.locator("td.right").allTextContents()).slice(0, 2).map(text => parseFloat(text.replace("\u2212", "-")));
+  assert.ok(low < 0 && high > 0);
+});

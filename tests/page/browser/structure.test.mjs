@@ -54,6 +54,29 @@ test("marks and names stand on it", async () => {
   assertQuiet(page);
 });
 
+test("a measured shape stands over that of the model, and only with it", async () => {
+  const {page, figure, stage, picture, choose} = await opened();
+  const dots = () => stage.locator(".spot:not([hidden])").count();
+  await choose("mode 1: 12.50 Hz");
+  const alone = await picture(), fewer = await dots();
+  await choose("measured 12.4 Hz over mode 1");
+  assert.notDeepEqual(await picture(), alone);
+  assert.equal(await dots(), fewer + 3);
+  const tops = () => stage.locator(".spot").evaluateAll(nodes => nodes.slice(-3).map(node => parseFloat(node.style.top)));
+  const still = await tops();
+  await figure.getByLabel("Amplitude").fill("0");
+  await picture();
+  const resting = await tops();
+  assert.ok(still.every((top, i) => Math.abs(top - resting[i]) > 1), `${still} ${resting}`);  // they move with the shape
+  await figure.getByLabel("Amplitude").fill("0.08");
+  await shoot(figure, "structure-measured");
+  await choose("undeformed");
+  await picture();
+  assert.equal(await dots(), fewer);
+  assert.match(await figure.locator(".key").textContent(), /measured/);
+  assertQuiet(page);
+});
+
 test("it turns by mouse and keyboard and comes back", async () => {
   const {page, stage, picture} = await opened();
   const first = await picture();

@@ -70,11 +70,55 @@ std::optional<Chart> course_chart(const RunComparison& comparison, const std::ve
   return with_readable_ordinates(std::move(chart), parameter.name, parameter.unit);
 }
 
-Section courses_section(const RunComparison& comparison) {
+/// "suspension" of "/law/suspension/force", the connectors whose laws some run holds.
+std::vector<std::string> connectors_with_laws(const std::vector<RunSeries>& series) {
+  constexpr std::string_view begin = "/law/", end = "/force";
+  std::vector<std::string> names;
+  for (const auto& run : series)
+    for (const auto& path : run.below("/law")) {
+      if (!path.ends_with(end)) continue;
+      auto name = path.substr(begin.size(), path.size() - begin.size() - end.size());
+      if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
+    }
+  return names;
+}
+
+/// The law of one connector in every run that identified it, each with its 95 % band and over the part of the abscissa
+/// where its own data were.
+std::optional<Chart> law_chart(const RunComparison& comparison, const std::vector<RunSeries>& series,
+                               const std::string& connector, bool over_rate) {
+  const std::string group = "/law/" + connector + "/", over = over_rate ? "rate" : "deformation";
+  Chart chart{.id = "law-" + connector,
+              .title = connector + ": force over " + (over_rate ? "velocity" : "deformation"),
+              .caption = "The laws as they were identified, with their 95 % bands, each where its data were.",
+              .scatter = true};
+  for (std::size_t i = 0; i < series.size(); ++i) {
+    const auto x = series[i].read(group + over), force = series[i].read(group + "force");
+    const auto deviation = series[i].read(group + "force_std");
+    if (!x || !force || x->size() != force->size()) continue;
+    Series curve = with_band(comparison.labels[i], *force, deviation.value_or(VectorXd()), Role::other);
+    curve.x = series_values(*x);
+    chart.series.push_back(std::move(curve));
+  }
+  if (chart.series.empty()) return std::nullopt;
+  return with_readable_abscissae(with_readable_ordinates(std::move(chart), "force", "N"),
+                                 over_rate ? "velocity" : "deformation", over_rate ? "m/s" : "m");
+}
+
+Section laws_section(const RunComparison& comparison, const std::vector<RunSeries>& series) {
+  Section section{"Laws", "", {}};
+  for (const auto& connector : connectors_with_laws(series))
+    for (const bool over_rate : {true, false})
+      if (auto chart = law_chart(comparison, series, connector, over_rate)) {
+        section.items.emplace_back(std::move(*chart));
+        break;
+      }
+  return section;
+}
+
+Section courses_section(const RunComparison& comparison, const std::vector<RunSeries>& series) {
   Section section{
       "Courses of the parameters", "Estimates with their 95 % bands, where three runs or fewer are shown.", {}};
-  std::vector<RunSeries> series;
-  for (const auto& run : comparison.runs) series.emplace_back(run);
   for (const auto& parameter : compared_parameters(comparison))
     for (const bool of_filter : {true, false})
       if (auto chart = course_chart(comparison, series, parameter, of_filter))
@@ -94,7 +138,11 @@ Page comparison_page(const RunComparison& comparison) {
   for (auto& table : comparison_tables(comparison)) tables.items.emplace_back(std::move(table));
   if (auto verdicts = verdict_table(comparison); !verdicts.rows.empty()) tables.items.emplace_back(std::move(verdicts));
   page.sections.push_back(std::move(tables));
-  if (auto courses = courses_section(comparison); !courses.items.empty()) page.sections.push_back(std::move(courses));
+  std::vector<RunSeries> series;
+  for (const auto& run : comparison.runs) series.emplace_back(run);
+  if (auto laws = laws_section(comparison, series); !laws.items.empty()) page.sections.push_back(std::move(laws));
+  if (auto courses = courses_section(comparison, series); !courses.items.empty())
+    page.sections.push_back(std::move(courses));
   return page;
 }
 

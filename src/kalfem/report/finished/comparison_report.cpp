@@ -35,8 +35,17 @@ std::string with_deviation(const DisplayUnit& shown, const FoundParameter& param
   return std::isfinite(deviation) ? value + " ± " + shown.deviation(deviation) : value;
 }
 
+std::string interval_text(const DisplayUnit& shown, const FoundParameter& parameter) {
+  if (!parameter.interval) return "-";
+  const double deviation = or_nan(parameter.deviation());
+  return shown.value(parameter.interval->front(), deviation) + " to " +
+         shown.value(parameter.interval->back(), deviation);
+}
+
 std::string difference_text(const std::optional<double>& difference) {
-  return difference ? fmt::format("{:+.1f}", *difference) : "-";
+  if (!difference) return "-";
+  const std::string words = fmt::format("{:+.1f}", *difference);
+  return words.substr(1) == "0.0" ? "0.0" : words;
 }
 
 Table parameter_comparison(const RunComparison& comparison) {
@@ -46,8 +55,10 @@ Table parameter_comparison(const RunComparison& comparison) {
       {"parameter", "unit", "truth"},
       {},
       {}};
+  const bool two = comparison.runs.size() == 2;  // of more the intervals would fill the screen
   for (std::size_t i = 0; i < comparison.runs.size(); ++i) {
     table.columns.push_back(comparison.labels[i]);
+    if (two) table.columns.emplace_back("95 % interval");
     if (i > 0) table.columns.emplace_back("difference");
   }
   for (const auto& parameter : compared_parameters(comparison)) {
@@ -59,6 +70,7 @@ Table parameter_comparison(const RunComparison& comparison) {
     for (std::size_t i = 0; i < parameter.runs.size(); ++i) {
       const auto &first = parameter.runs.front(), &run = parameter.runs[i];
       row.push_back(run ? with_deviation(shown, *run) : "-");
+      if (two) row.push_back(run ? interval_text(shown, *run) : "-");
       if (i > 0) row.push_back(difference_text(first && run ? joint_deviations(*run, *first) : std::nullopt));
     }
     table.rows.push_back(std::move(row));
@@ -94,6 +106,24 @@ Table error_comparison(const std::string& title, const RunComparison& comparison
   return table;
 }
 
+/// Sensors of all runs, each with what its innovations are over what they should be and how successive ones correlate.
+Table sensor_comparison(const RunComparison& comparison) {
+  Table table{"Sensors: innovation / expected, correlation of neighbours", {"sensor"}, {}, {}};
+  table.columns.insert(table.columns.end(), comparison.labels.begin(), comparison.labels.end());
+  for (std::size_t i = 0; i < comparison.runs.size(); ++i)
+    for (const auto& [name, found] : comparison.runs[i].sensors) {
+      auto row = std::ranges::find(table.rows, name, [](const auto& cells) { return cells.front(); });
+      if (row == table.rows.end()) {
+        row = table.rows.insert(table.rows.end(), std::vector<std::string>(comparison.runs.size() + 1, "-"));
+        row->front() = name;
+      }
+      if (found.ratio)
+        (*row)[i + 1] = fmt::format("{:.3g}, {}", *found.ratio,
+                                    found.correlation ? fmt::format("{:.2f}", *found.correlation) : "-");
+    }
+  return table;
+}
+
 Table timing_comparison(const RunComparison& comparison) {
   Table table{"Time [s]", {"step"}, {}, {}};
   table.columns.insert(table.columns.end(), comparison.labels.begin(), comparison.labels.end());
@@ -104,7 +134,7 @@ Table timing_comparison(const RunComparison& comparison) {
         row = table.rows.insert(table.rows.end(), std::vector<std::string>(comparison.runs.size() + 1, "-"));
         row->front() = step;
       }
-      (*row)[i + 1] = four_digits(or_nan(seconds));
+      (*row)[i + 1] = !seconds ? "-" : *seconds < 0.01 ? "< 0.01" : fmt::format("{:.2f}", *seconds);
     }
   return table;
 }
@@ -120,7 +150,10 @@ Json run_json(const RunComparison& comparison, std::size_t i) {
             {"message", run.message},
             {"filter", run.filter ? Json(run.filter->filter) : Json(nullptr)},
             {"nis", nullptr},
+            {"sensors", Json::object()},
             {"timing", Json::object()}};
+  for (const auto& [name, found] : run.sensors)
+    json["sensors"][name] = {{"rms_over_expected", number(found.ratio)}, {"correlation", number(found.correlation)}};
   if (run.filter)
     json["nis"] = {{"mean", number(run.filter->consistency.mean_nis)},
                    {"expected", number(run.filter->consistency.expected_nis)},
@@ -138,6 +171,7 @@ Json parameter_json(const ComparedParameter& parameter) {
     runs.back() = {{"estimate", number(run->estimate)},
                    {"std", number(run->std)},
                    {"std_robust", number(run->std_robust)},
+                   {"interval", run->interval ? Json(*run->interval) : Json()},
                    {"difference", number(first ? joint_deviations(*run, *first) : std::nullopt)}};
   }
   return {{"unit", parameter.unit}, {"true", number(parameter.truth)}, {"runs", runs}};
@@ -149,6 +183,7 @@ std::vector<Table> comparison_tables(const RunComparison& comparison) {
   std::vector<Table> tables{run_table(comparison), without_empty_columns(parameter_comparison(comparison))};
   for (const auto& [title, key, errors] : kinds_of_errors)
     tables.push_back(error_comparison(title, comparison, errors));
+  tables.insert(tables.begin() + 2, sensor_comparison(comparison));
   tables.push_back(timing_comparison(comparison));
   std::erase_if(tables, [](const Table& table) { return table.rows.empty(); });
   return tables;

@@ -9,8 +9,9 @@
 
 namespace kalfem {
 
-/// The runs with verdict, filter, NIS and time; the parameters; the errors of estimated, smoothed and predicted motion
-/// and of the validation; the times by step. What a run does not have is a dash; tables without rows are left out.
+/// The runs with verdict, filter, NIS and time; the parameters; the agreement of each sensor; the errors of estimated,
+/// smoothed and predicted motion and of the validation; the times by step. What a run does not have is a dash; tables
+/// without rows are left out.
 std::vector<Table> comparison_tables(const RunComparison& comparison);
 
 /// Every reason of every verdict.
@@ -19,8 +20,8 @@ Table verdict_table(const RunComparison& comparison);
 /// The comparison for programs, in SI units; null for what a run does not have.
 nlohmann::ordered_json comparison_json(const RunComparison& comparison);
 
-/// The tables of a comparison, and the course of each parameter in all runs, read from their results.h5. Throws
-/// InvalidInput if one of these files cannot be read.
+/// The tables of a comparison, the identified law and the course of each parameter in all runs, read from their
+/// results.h5. Throws InvalidInput if one of these files cannot be read.
 Page comparison_page(const RunComparison& comparison);
 
 }  // namespace kalfem

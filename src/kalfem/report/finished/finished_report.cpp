@@ -77,6 +77,15 @@ Table found_error_table(const std::string& title, const std::string& first_colum
   return table;
 }
 
+Table found_pair_table(const std::string& comparison, const std::vector<FoundPair>& pairs) {
+  Table table{"Correlation of '" + comparison + "'", {"measured [Hz]", "mode", "model [Hz]", "error", "MAC"}, {}, {}};
+  for (const auto& pair : pairs)
+    table.rows.push_back({four_digits(pair.measured_hz), pair.model_mode ? std::to_string(*pair.model_mode) : "-",
+                          four_digits(pair.model_hz.value_or(unknown)), signed_per_cent(pair.error.value_or(unknown)),
+                          pair.mac ? fmt::format("{:.3f}", *pair.mac) : "-"});
+  return table;
+}
+
 Table found_timing_table(const NamedErrors& timing) {
   Table table{"Timing", {"step", "seconds"}, {}, {}};
   for (const auto& [step, seconds] : timing)
@@ -95,6 +104,7 @@ std::string console_report(const FinishedRun& run) {
   add(found_error_table("Motion smoothed over the whole record, NRMSE", "point", run.smoothed));
   add(found_error_table("Validation, NRMSE", "sensor", run.validation));
   add(found_error_table("Predicted motion, NRMSE", "point", run.prediction));
+  for (const auto& [comparison, pairs] : run.correlation) add(found_pair_table(comparison, pairs));
   add(found_timing_table(run.timing));
   return text + "Results in " + run.folder.string() + ": " + listed(run.files) + "\n";
 }

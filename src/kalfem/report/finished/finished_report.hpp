@@ -16,6 +16,9 @@ Table found_parameter_table(const FoundParameters& found);
 /// A row for each point or sensor and a column for each quantity that one of them has.
 Table found_error_table(const std::string& title, const std::string& first_column, const Named<NamedErrors>& errors);
 
+/// Measured modes beside those of the model.
+Table found_pair_table(const std::string& comparison, const std::vector<FoundPair>& pairs);
+
 /// Seconds by step.
 Table found_timing_table(const NamedErrors& timing);
 

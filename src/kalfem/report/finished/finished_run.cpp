@@ -113,10 +113,33 @@ Named<NamedErrors> validation_of(const Json& validation) {
   return errors;
 }
 
+Named<FoundSensor> sensors_of(const Json& innovations) {
+  Named<FoundSensor> sensors;
+  for (const auto& [name, own] : innovations.items())
+    sensors.emplace_back(name, FoundSensor{number_in(own, "rms_over_expected"), number_in(own, "correlation")});
+  return sensors;
+}
+
+Named<std::vector<FoundPair>> correlation_of(const Json& comparisons) {
+  Named<std::vector<FoundPair>> all;
+  for (const auto& [name, own] : comparisons.items()) {
+    auto& pairs = all.emplace_back(name, std::vector<FoundPair>{}).second;
+    for (const auto& each : own.at("modes")) {
+      const Json& mode = each.at("model_mode");
+      pairs.push_back({.measured_hz = each.at("measured_hz"),
+                       .model_mode = mode.is_null() ? std::nullopt : std::optional<int>(mode),
+                       .model_hz = number_in(each, "model_hz"),
+                       .error = number_in(each, "error"),
+                       .mac = number_in(each, "mac")});
+    }
+  }
+  return all;
+}
+
 NamedErrors timing_of(const Json& timing) {
   NamedErrors seconds{{"total", number_in(timing, "total_s")}};
-  for (const std::string step : {"load", "reduce", "modes", "static", "frequency_response", "simulate", "update",
-                                 "estimate", "diagnose", "validate", "predict", "infer", "place", "verdict"})
+  for (const std::string step : {"load", "reduce", "modes", "correlate", "static", "frequency_response", "simulate",
+                                 "update", "estimate", "diagnose", "validate", "predict", "infer", "place", "verdict"})
     if (const auto taken = number_in(timing, (step + "_s").c_str())) seconds.emplace_back(step, taken);
   return seconds;
 }
@@ -150,10 +173,12 @@ FinishedRun run_of(const Json& summary) {
   add_parameters("filter", object_in(summary, "parameters"), parameter_of, run);
   add_parameters("posterior", object_in(object_in(summary, "inference"), "parameters"), inferred_parameter_of, run);
   if (!estimation.empty()) run.filter = filter_of(estimation, timing);
+  run.sensors = sensors_of(object_in(estimation, "innovations"));
   run.states = errors_by_point(object_in(estimation, "states"));
   run.smoothed = errors_by_point(object_in(object_in(summary, "smoothed"), "states"));
   run.prediction = prediction_of(object_in(summary, "prediction"));
   run.validation = validation_of(object_in(summary, "validation"));
+  run.correlation = correlation_of(object_in(object_in(summary, "correlation"), "comparisons"));
   run.timing = timing_of(timing);
   return run;
 }

@@ -45,6 +45,19 @@ struct FoundFilter {
   std::optional<double> microseconds_per_step, real_time_factor;
 };
 
+/// The innovations of one sensor after settling.
+struct FoundSensor {
+  std::optional<double> ratio;        ///< of their rms to the expected one
+  std::optional<double> correlation;  ///< of successive ones
+};
+
+/// A measured mode beside the model's, as a correlation paired them.
+struct FoundPair {
+  double measured_hz = 0.0;
+  std::optional<int> model_mode;  ///< nothing where none agrees
+  std::optional<double> model_hz, error, mac;
+};
+
 /// A run as its folder tells it: summary.json, and results.h5 beside it. SI units.
 struct FinishedRun {
   std::filesystem::path folder;
@@ -59,11 +72,13 @@ struct FinishedRun {
   std::vector<std::string> warnings, files;
   std::vector<FoundParameters> found;  ///< by each step that identified something, in the order of the steps
   std::optional<FoundFilter> filter;
-  Named<NamedErrors> states;      ///< point -> quantity -> NRMSE
-  Named<NamedErrors> smoothed;    ///< the same of the smoother
-  Named<NamedErrors> prediction;  ///< the same of the driven substructure
-  Named<NamedErrors> validation;  ///< sensor -> kind of comparison -> NRMSE
-  NamedErrors timing;             ///< "simulate" -> seconds; "total" stands first
+  Named<FoundSensor> sensors;
+  Named<NamedErrors> states;                  ///< point -> quantity -> NRMSE
+  Named<NamedErrors> smoothed;                ///< the same of the smoother
+  Named<NamedErrors> prediction;              ///< the same of the driven substructure
+  Named<NamedErrors> validation;              ///< sensor -> kind of comparison -> NRMSE
+  Named<std::vector<FoundPair>> correlation;  ///< comparison -> its measured modes
+  NamedErrors timing;                         ///< "simulate" -> seconds; "total" stands first
 
   /// Folder's name without the ending .kalfem-out: a short name of the run.
   [[nodiscard]] std::string label() const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kalfem/report/finished/run_series.hpp"
 
+#include "kalfem/base/natural_order.hpp"
 #include "kalfem/formats/hdf5/hdf5_file.hpp"
 
 namespace kalfem {
@@ -25,7 +26,7 @@ RunSeries::RunSeries(const FinishedRun& run) {
 }
 
 std::vector<std::string> RunSeries::below(const std::string& group) const {
-  return file_ && file_->contains(group) ? file_->datasets(group) : std::vector<std::string>{};
+  return file_ && file_->contains(group) ? in_natural_order(file_->datasets(group)) : std::vector<std::string>{};
 }
 
 std::optional<VectorXd> RunSeries::read(const std::string& path) const {

@@ -25,7 +25,7 @@ public:
   /// Throws InvalidInput if results.h5 is no HDF5 file or belongs to another run than summary.json.
   explicit RunSeries(const FinishedRun& run);
 
-  /// Paths of all series below a group, sorted; empty if there is no such group.
+  /// Paths of all series below a group in natural order (k2 before k10); empty if there is no such group.
   [[nodiscard]] std::vector<std::string> below(const std::string& group) const;
   /// Nothing if there is no such series.
   [[nodiscard]] std::optional<Eigen::VectorXd> read(const std::string& path) const;

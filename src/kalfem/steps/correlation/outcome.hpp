@@ -13,6 +13,10 @@ struct CorrelatedComparison {
   std::string name;
   std::string substructure;
   Correlation correlation;
+  std::vector<MeasuredMode> measured = {};
+  std::vector<DofCombination> points =
+      {};              ///< of their shapes, as combinations of the substructure's degrees of freedom
+  double above = 0.0;  ///< [Hz] modes of the model up to this frequency are not elastic ones
 };
 
 struct CorrelationOutcome {

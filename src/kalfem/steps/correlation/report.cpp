@@ -19,8 +19,6 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t most_sensors = 6;  ///< on a terminal
 constexpr double low_comac = 0.95;       ///< below it a sensor is shown there
 
-std::string signed_per_cent(double ratio) { return fmt::format("{:+.2f} %", 100.0 * ratio); }
-
 Json rows_of(const Eigen::MatrixXd& matrix) {
   Json rows = Json::array();
   for (Index i = 0; i < matrix.rows(); ++i) rows.push_back(numbers(matrix.row(i).transpose()));

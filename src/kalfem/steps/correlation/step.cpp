@@ -19,15 +19,22 @@ const d::ModalData* with_shapes(const Located<d::Comparison>& comparison) {
   return modes && has_shapes(*modes) ? modes : nullptr;
 }
 
-Correlation correlation_of(const Study& study, const d::ModalData& given, const Eigen::VectorXd& values) {
+CorrelatedComparison compared(const std::string& name, const Study& study, const d::ModalData& given,
+                              const Eigen::VectorXd& values) {
   const LinearModel model = study.updating_plan->structure->model_of(given.substructure.value)->at(values).model;
-  const auto measured = modal_measurement(given, model);
+  auto measured = modal_measurement(given, model);
   std::vector<ShapeSensor> sensors;
   for (std::size_t i = 0; i < measured.sensors.size(); ++i)
     sensors.push_back({measured.sensors[i], measured.places[i]});
   CorrelationOptions options{.above = given.above};
   if (given.minimum_mac > 0.0) options.pairing.least_mac = given.minimum_mac;  // 0: any agreement is enough to start
-  return correlate(measured.modes, measured.points, sensors, model, options);
+  auto correlation = correlate(measured.modes, measured.points, sensors, model, options);
+  return {name,
+          given.substructure.value,
+          std::move(correlation),
+          std::move(measured.modes),
+          std::move(measured.points),
+          given.above};
 }
 
 void run_correlation(RunContext& context) {
@@ -39,7 +46,7 @@ void run_correlation(RunContext& context) {
   const Eigen::VectorXd values = updating ? updating->values : initial_values(study.updating->parameters);
   for (const auto& [name, comparison] : study.description->update->comparisons)
     if (const auto* given = with_shapes(comparison))
-      outcome.comparisons.push_back({name, given->substructure.value, correlation_of(study, *given, values)});
+      outcome.comparisons.push_back(compared(name, study, *given, values));
   outcome.seconds = watch.seconds();
   context.results.put(std::move(outcome));
 }

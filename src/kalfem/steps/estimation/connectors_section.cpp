@@ -147,27 +147,38 @@ std::vector<std::string> size_row(const EstimationOutcome& outcome, const std::s
           per_cent(nonlinear_share(force, deformation, rate))};
 }
 
+/// Whether there is a deformation to show: not of a load alone, nor of a mass, which is a change of inertia.
+bool moves(const EstimationOutcome& outcome, const Connector& connector) {
+  if (connector.law->name() == "preload" || connector.name.ends_with(".mass")) return false;
+  const auto* deformation = connector_motion(outcome, connector.name, ObservedQuantity::connector_deformation);
+  return deformation && deformation->mean.size() > outcome.settled;
+}
+
 }  // namespace
 
 Section connectors_section(const Study& study, const EstimationOutcome& outcome) {
-  Section section{"Connectors", "The identified laws.", {}};
+  Section section{"Connectors", "", {}};
   Table sizes{.title = "Rms after settling",
               .columns = {"connector", "force", "deformation", "rate", "nonlinear share of the force"},
               .caption = "Nonlinear share: the part of the force that no linear spring and dashpot explain."};
   std::vector<Chart> charts;
   const auto& connectors = outcome.augmented_model->system().connectors;
   for (std::size_t j = 0; j < connectors.size(); ++j) {
-    if (!has_unknown(outcome, static_cast<Index>(j))) continue;
-    if (connectors[j].law->states().empty()) {
+    if (!has_unknown(outcome, static_cast<Index>(j)) || !moves(outcome, connectors[j])) continue;
+    // Of a lumped element the connector is only the change from its stated value: no law to show.
+    const bool is_change = connectors[j].law->name() == "linear_change";
+    if (!is_change) sizes.rows.push_back(size_row(outcome, connectors[j].name));
+    if (!is_change && connectors[j].law->states().empty()) {
       charts.push_back(characteristic(study, outcome, static_cast<Index>(j), false));
       charts.push_back(characteristic(study, outcome, static_cast<Index>(j), true));
     }
-    charts.push_back(path(outcome, connectors[j].name));
+    if (!is_change) charts.push_back(path(outcome, connectors[j].name));
     charts.push_back(stroke_chart(outcome, connectors[j].name));
-    sizes.rows.push_back(size_row(outcome, connectors[j].name));
   }
+  add_connector_forces(study, outcome, section);
   if (charts.empty()) return section;
-  section.items.emplace_back(std::move(sizes));
+  section.text = "Forces over time, and the identified laws.";
+  if (!sizes.rows.empty()) section.items.emplace_back(std::move(sizes));
   std::ranges::move(charts, std::back_inserter(section.items));
   return section;
 }

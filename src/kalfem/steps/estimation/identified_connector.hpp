@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <optional>
 #include <string>
 
 #include "kalfem/page/page.hpp"
@@ -37,5 +38,16 @@ private:
   Eigen::VectorXd state_;
   Eigen::MatrixXd covariance_;
 };
+
+/// The law of the connector that a run is about, as it was identified: its force over the rate at zero deformation, or
+/// over the deformation at rest where it does not resist a rate, as far as the data went.
+struct LawCurve {
+  std::string connector;
+  bool over_rate = true;
+  Eigen::VectorXd abscissa;          ///< [m/s] or [m]
+  Eigen::VectorXd force, deviation;  ///< [N]
+};
+/// Nothing where no connector has an unknown parameter, or its law has a memory.
+std::optional<LawCurve> law_curve(const EstimationOutcome& outcome);
 
 }  // namespace kalfem

@@ -9,6 +9,7 @@
 #include "kalfem/page/chart_series.hpp"
 #include "kalfem/page/display_unit.hpp"
 #include "kalfem/page/typeset.hpp"
+#include "kalfem/statistics/quantiles.hpp"
 #include "kalfem/steps/estimation/identified_connector.hpp"
 #include "kalfem/steps/estimation/sections.hpp"
 #include "kalfem/system/laws/law_library.hpp"
@@ -96,10 +97,11 @@ bool resists_rate(const IdentifiedConnector& identified, const Connector& connec
   return force.maxCoeff() > force.minCoeff();
 }
 
+constexpr Index curve_points = 61;
+
 /// Force over rate: points along the record less the force at rest at the same deformation, and the law with its band
 /// where it has no memory.
 Chart force_chart(const Study& study, const EstimationOutcome& outcome, Index index) {
-  constexpr Index curve_points = 61;
   const auto& connector = connector_of(outcome, index);
   const IdentifiedConnector identified(outcome, index);
   const bool memoryless = connector.law->states().empty(),
@@ -224,6 +226,28 @@ std::optional<Listing> law_equation(const EstimationOutcome& outcome, Index inde
 }
 
 }  // namespace
+
+std::optional<LawCurve> law_curve(const EstimationOutcome& outcome) {
+  const auto index = main_connector(outcome);
+  if (!index || !connector_of(outcome, *index).law->states().empty()) return std::nullopt;
+  const auto& connector = connector_of(outcome, *index);
+  const IdentifiedConnector identified(outcome, *index);
+  LawCurve curve{.connector = connector.name, .over_rate = resists_rate(identified, connector)};
+  const VectorXd visited =
+      settled(outcome, connector.name,
+              curve.over_rate ? ObservedQuantity::connector_rate : ObservedQuantity::connector_deformation);
+  if (visited.size() == 0 || !(visited.cwiseAbs().maxCoeff() > 0.0)) return std::nullopt;
+  const double largest = visited.cwiseAbs().maxCoeff();
+  curve.abscissa = VectorXd::LinSpaced(curve_points, -largest, largest);
+  const VectorXd zero = VectorXd::Zero(curve_points);
+  const Series law = curve.over_rate ? identified.curve(zero, curve.abscissa) : identified.curve(curve.abscissa, zero);
+  const auto values = [](const std::vector<double>& list) {
+    return VectorXd(Eigen::Map<const VectorXd>(list.data(), static_cast<Index>(list.size())));
+  };
+  curve.force = values(law.y);
+  if (!law.upper.empty()) curve.deviation = (values(law.upper) - values(law.lower)) / (2.0 * normal_quantile(0.975));
+  return curve;
+}
 
 LawOverview law_overview(const Study& study, const EstimationOutcome& outcome) {
   if (!outcome.has_samples()) return {};

@@ -15,6 +15,9 @@ namespace kalfem {
 /// Force of every connector with an unknown parameter: over deformation at rest and over rate at zero deformation
 /// (identified with its 95 % band, and true) where the law has no memory, and the path that it went.
 Section connectors_section(const Study& study, const EstimationOutcome& outcome);
+/// The force over time, with its 95 % band, of connectors with an unknown parameter and of those to the ground, and a
+/// table of its smallest and largest value and rms; the preload between the same points is its static share.
+void add_connector_forces(const Study& study, const EstimationOutcome& outcome, Section& section);
 
 /// Of the connector with an unknown parameter that has the largest force, for the first screen.
 struct LawOverview {

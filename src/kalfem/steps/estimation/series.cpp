@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "kalfem/steps/estimation/identified_connector.hpp"
 #include "kalfem/steps/estimation/report.hpp"
 #include "kalfem/steps/result_series.hpp"
 
@@ -45,6 +46,16 @@ void write_noise(SeriesWriter& file, const NoiseCourse& course, const Record& me
     file.write("/estimate/noise/process", course.density * course.process_factor.cwiseSqrt(), "m/s^2/sqrt(Hz)");
 }
 
+/// The identified law of the main connector, over its rate or its deformation.
+void write_law(SeriesWriter& file, const EstimationOutcome& outcome) {
+  const auto law = law_curve(outcome);
+  if (!law) return;
+  const std::string group = "/law/" + law->connector + "/";
+  file.write_column(group + (law->over_rate ? "rate" : "deformation"), law->abscissa, law->over_rate ? "m/s" : "m");
+  file.write_column(group + "force", law->force, "N");
+  if (law->deviation.size() > 0) file.write_column(group + "force_std", law->deviation, "N");
+}
+
 }  // namespace
 
 void write_estimate(SeriesWriter& file, const EstimationOutcome& outcome) {
@@ -65,6 +76,7 @@ void write_estimate(SeriesWriter& file, const EstimationOutcome& outcome) {
       file.write("/open_loop/" + channel.name, outcome.open_loop_sensors.row(row).transpose(), channel.unit);
   }
   file.write("/innovation/nis", outcome.result.nis, "-");
+  if (outcome.has_samples()) write_law(file, outcome);
 }
 
 }  // namespace kalfem

@@ -10,6 +10,7 @@
 #include "kalfem/pictures/mesh_picture.hpp"
 #include "kalfem/pictures/nodal_translations.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
+#include "kalfem/steps/modes/measured_shapes.hpp"
 #include "kalfem/steps/modes/outcome.hpp"
 #include "kalfem/steps/simulation/outcome.hpp"
 #include "kalfem/study/candidate_nodes.hpp"
@@ -198,6 +199,45 @@ void add_motion(const FiniteElementPart& part, const FieldSeries& series, const 
   scene.fields.push_back(motion_field(series.name.substr(part.name.size() + 1) + " motion", kept, motion, shapes));
 }
 
+/// Shapes of one comparison over those of the model: each measured node is a place that moves, with a line from where
+/// it rests.
+void add_measured(const FiniteElementPart& part, const MeasuredShapes& shapes, const SubstructureModes& modes,
+                  const SparseMatrix& averaging, Scene& scene) {
+  if (shapes.pairs.empty()) return;
+  const Index before = scene.places.cols(), count = std::ssize(shapes.nodes);
+  scene.places.conservativeResize(3, before + 2 * count);
+  for (Index i = 0; i < count; ++i) {
+    const Index rest = before + i, moving = before + count + i;
+    scene.places.col(rest) = scene.places.col(moving) =
+        part.elements.mesh.nodes.col(shapes.nodes[static_cast<std::size_t>(i)]);
+    scene.lines.push_back({SceneLineKind::measured, rest, moving});
+    scene.marks.push_back({SceneMarkKind::measured, moving, ""});
+  }
+  std::vector<SceneField> fields;
+  for (const auto& pair : shapes.pairs) {
+    MatrixXd shape = MatrixXd::Zero(3 * scene.places.cols(), 1);
+    shape.topRows(3 * averaging.cols()) = at_places(part, averaging, modes.shapes.col(pair.mode));
+    shape.bottomRows(3 * count) = pair.displacement.reshaped();
+    fields.push_back({.name = pair.name, .shapes = std::move(shape), .measured = true});
+  }
+  scene.fields.insert(scene.fields.begin(), std::make_move_iterator(fields.begin()),
+                      std::make_move_iterator(fields.end()));
+}
+
+/// The measured shapes of every comparison with the part, over the model at the values that they were paired at.
+void add_correlation(const StudyResults& results, const FiniteElementPart& part, const SparseMatrix& averaging,
+                     Scene& scene) {
+  const auto* correlation = results.find<CorrelationOutcome>();
+  if (!correlation) return;
+  const auto* modes = correlation->updated ? updated_modes_of(results, part.name) : nullptr;
+  for (const auto& initial : modes_found(results).substructures)
+    if (!correlation->updated && initial.name == part.name) modes = &initial;
+  if (!modes) return;
+  for (const auto& comparison : correlation->comparisons)
+    if (comparison.substructure == part.name)
+      add_measured(part, measured_shapes(comparison, part, *modes), *modes, averaging, scene);
+}
+
 }  // namespace
 
 std::optional<Scene> structure_scene(const Study& study, const StudyResults& results, const FiniteElementPart& part) {
@@ -223,6 +263,13 @@ std::optional<Scene> structure_scene(const Study& study, const StudyResults& res
   };
   if (const auto* simulation = results.find<SimulationOutcome>()) add_motions(simulation->fields);
   if (const auto* estimation = results.find<EstimationOutcome>()) add_motions(estimation->fields);
+  add_correlation(results, part, averaging, scene);
+  for (auto& field : scene.fields)  // which were made before places of measured shapes were added
+    field.shapes.conservativeResizeLike(MatrixXd::Zero(3 * scene.places.cols(), field.shapes.cols()));
+  if (std::ranges::any_of(scene.fields, &SceneField::measured))
+    scene.caption =
+        "Measured shapes stand over those of the model in its scale and phase: dots, with lines from where "
+        "the sensors rest, in the directions that were measured.";
   return scene;
 }
 

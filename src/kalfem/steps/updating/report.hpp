@@ -30,7 +30,6 @@ Table updating_trace_table(const Study& study, const UpdatingOutcome& outcome);
 Table minima_table(const Study& study, const UpdatingOutcome& outcome);
 /// The choices of parameters with their fit, evidence and weight; without rows where there is one.
 Table alternatives_table(const UpdatingOutcome& outcome);
-Table correlation_table(const Study& study, const UpdatingOutcome& outcome);
 Table sensitivity_table(const UpdatingOutcome& outcome);
 /// Unknowns of the filter before and after the updating; without rows where there are none.
 Table before_and_after_table(const Study& study, const StudyResults& results);

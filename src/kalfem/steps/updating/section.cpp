@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <cctype>
 #include <cmath>
 
 #include "kalfem/page/chart_series.hpp"
@@ -104,15 +103,10 @@ Picture correlation_picture(const Study& study, const UpdatingOutcome& outcome) 
           .half_width = true};
 }
 
-std::string sentence(std::string words) {
-  if (!words.empty()) words.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(words.front())));
-  return words;
-}
-
 std::string words_on(const UpdatingOutcome& outcome) {
   std::string text = fmt::format("{} evaluations, {} steps, {:.1f} s, by {}. {}. ", outcome.evaluations,
-                                 outcome.iterations, outcome.seconds, outcome.method, sentence(outcome.termination));
-  for (const auto& remark : outcome.remarks) text += "\n\n" + sentence(remark) + ".";
+                                 outcome.iterations, outcome.seconds, outcome.method, capitalised(outcome.termination));
+  for (const auto& remark : outcome.remarks) text += "\n\n" + capitalised(remark) + ".";
   return text;
 }
 
@@ -133,7 +127,6 @@ Section updating_section(const Study& study, const StudyResults& results) {
   if (!outcome.alternatives.empty()) section.items.emplace_back(alternatives_table(outcome));
   if (!outcome.minima.empty()) section.items.emplace_back(minima_table(study, outcome));
   if (outcome.statistics.correlation.rows() > 1) {
-    section.items.emplace_back(correlation_table(study, outcome));
     section.items.emplace_back(correlation_picture(study, outcome));
   }
   if (!outcome.sensitivities.empty()) section.items.emplace_back(sensitivity_table(outcome));

@@ -17,10 +17,23 @@ using Eigen::Index;
 
 namespace {
 
-std::string signed_per_cent(double ratio) {
-  return std::isfinite(ratio) ? fmt::format("{:+.2f} %", 100.0 * ratio) : "-";
-}
 std::string finite(double value) { return std::isfinite(value) ? four_digits(value) : "-"; }
+
+/// A column for each parameter, in the unit that suits its initial value.
+std::vector<DisplayUnit> units_of_columns(const Study& study, Table& table) {
+  std::vector<DisplayUnit> units;
+  for (const auto& parameter : study.updating->parameters) {
+    units.emplace_back(parameter.unit, std::vector{parameter.initial, parameter.scale()});
+    table.columns.push_back(parameter.name + " [" + units.back().unit() + "]");
+  }
+  return units;
+}
+
+/// The values of the parameters behind what the last row holds.
+void add_values(const Eigen::VectorXd& values, const std::vector<DisplayUnit>& units, Table& table) {
+  for (std::size_t i = 0; i < units.size(); ++i)
+    table.rows.back().push_back(units[i].value(values[static_cast<Index>(i)]));
+}
 
 /// The lines of `table` under its title, nothing without rows.
 std::string section(const std::string& title, const Table& table) {
@@ -112,13 +125,12 @@ Table paired_mode_table(const ComparisonResult& comparison) {
 
 Table updating_trace_table(const Study& study, const UpdatingOutcome& outcome) {
   Table table{"Iterations", {"iteration", "residual", "accepted", "time"}, {}, {}};
-  for (const auto& parameter : study.updating->parameters)
-    table.columns.push_back(parameter.name + " [" + parameter.unit + "]");
+  const auto units = units_of_columns(study, table);
   for (std::size_t i = 0; i < outcome.trace.size(); ++i) {
     const auto& step = outcome.trace[i];
     table.rows.push_back({std::to_string(i + 1), finite(step.residual), step.accepted ? "yes" : "no",
                           fmt::format("{:.2f} s", step.seconds)});
-    for (const double value : step.tried) table.rows.back().push_back(four_digits(value));
+    add_values(step.tried, units, table);
   }
   return table;
 }
@@ -126,26 +138,12 @@ Table updating_trace_table(const Study& study, const UpdatingOutcome& outcome) {
 Table minima_table(const Study& study, const UpdatingOutcome& outcome) {
   constexpr std::size_t most = 20;
   Table table{"Ends of the searches from all starts", {"cost", "residual", "starts", "converged"}, {}, {}};
-  for (const auto& parameter : study.updating->parameters)
-    table.columns.push_back(parameter.name + " [" + parameter.unit + "]");
+  const auto units = units_of_columns(study, table);
   for (std::size_t k = 0; k < std::min(most, outcome.minima.size()); ++k) {
     const auto& minimum = outcome.minima[k];
     table.rows.push_back({finite(minimum.cost), finite(minimum.residual), std::to_string(minimum.reached),
                           minimum.converged ? "yes" : "no"});
-    for (const double value : minimum.parameters) table.rows.back().push_back(four_digits(value));
-  }
-  return table;
-}
-
-Table correlation_table(const Study& study, const UpdatingOutcome& outcome) {
-  Table table{"Correlation of the parameters", {""}, {}, {}};
-  const auto& correlation = outcome.statistics.correlation;
-  for (Index i = 0; i < correlation.rows(); ++i) {
-    const auto& name = study.updating->parameters[static_cast<std::size_t>(i)].name;
-    table.columns.push_back(name);
-    table.rows.push_back({name});
-    for (Index j = 0; j < correlation.cols(); ++j)
-      table.rows.back().push_back(fmt::format("{:.2f}", correlation(i, j)));
+    add_values(minimum.parameters, units, table);
   }
   return table;
 }

@@ -6,8 +6,9 @@ import {numbers} from "./structure_data.js";
 const secondsPerCycle = 1.5;  // of a mode on the screen
 
 export class Field {
-  constructor({name, peak, shapes, times, coordinates}) {
+  constructor({name, peak, shapes, times, coordinates, measured}) {
     this.name = name;
+    this.isMeasured = Boolean(measured);  // a measured shape stands beside that of the model
     this.peak = peak || 1;  // largest displacement of any place at any time; 0 of a field at rest
     this.shapes = shapes.map(({factor, steps}) => ({factor, steps: numbers(Int16Array, steps)}));
     this.times = times && numbers(Float32Array, times);

@@ -12,6 +12,7 @@ const symbols = {
   connector: {name: "connector", color: "--initial", shape: '<path d="M7 1l6 6-6 6-6-6z"/>'},
   spring: {name: "spring to ground", color: "--other-1", shape: drawn('<path d="M1 10l2.4-6L7 10l3.6-6L13 10"/>', 2)},
   mass: {name: "mass", color: "--truth", shape: '<circle cx="7" cy="7" r="4.8"/>'},
+  measured: {name: "measured", color: "--predicted", shape: '<circle cx="7" cy="7" r="3.6"/>'},
   support: {name: "support", color: "--limit", shape: '<path d="M7 2l6 10H1z"/>'},
 };
 
@@ -22,7 +23,9 @@ export const nameOf = kind => symbols[kind].name;
 export class Marks {
   constructor(marks) {
     this.node = make("div", {class: "marks", "aria-hidden": "true"});
-    this.spots = [...groupedByPlace(marks)].map(([place, at]) => ({place, node: spot(at)}));
+    this.measuredShown = false;
+    this.spots = [...groupedByPlace(marks)].map(([place, at]) =>
+        ({place, node: spot(at), isMeasured: at.every(mark => mark.kind === "measured")}));
     this.axes = make("div", {class: "axes"});
     this.axes.innerHTML = '<svg viewBox="-30 -30 60 60"></svg>';
     this.node.append(...this.spots.map(each => each.node), this.axes);
@@ -30,14 +33,17 @@ export class Marks {
 
   showNames(shown) { this.node.classList.toggle("nameless", !shown); }
 
+  // Where sensors were in a measured shape, which only some fields hold.
+  showMeasured(shown) { this.measuredShown = shown; }
+
   // In per cent of the canvas, so that they stay in place when it is printed at another size.
   update(places, camera) {
     const at = new Vector3();
-    for (const {place, node} of this.spots) {
+    for (const {place, node, isMeasured} of this.spots) {
       at.fromArray(places, 3 * place).project(camera);
       node.style.left = `${50 + 50 * at.x}%`;
       node.style.top = `${50 - 50 * at.y}%`;
-      node.hidden = Math.abs(at.x) > 1 || Math.abs(at.y) > 1;
+      node.hidden = Math.abs(at.x) > 1 || Math.abs(at.y) > 1 || (isMeasured && !this.measuredShown);
       node.classList.toggle("leftwards", at.x > 0.5);
     }
     this.updateAxes(camera);

@@ -19,6 +19,7 @@ export class StructureMesh {
     this.group = new Group();
     this.addFaces(structure);
     this.beams = structure.regions.map(({colour}, region) => this.addBeams(structure.beamsByRegion[region], colour));
+    this.measured = this.addBeams(lines.filter(line => line.measured).flatMap(line => line.places), "white");
     this.edges = this.addLines(structure.edges, new LineBasicMaterial({transparent: true}));
     this.creases = this.addLines(structure.creases, new LineBasicMaterial({transparent: true}));
     this.links = this.addLines(endsOf(lines, false), new LineBasicMaterial({transparent: true}));
@@ -84,6 +85,7 @@ export class StructureMesh {
     this.creases.material.opacity = 0.55;
     this.links.material.opacity = 0.35;
     this.connectors.material.color.set(cssColor("--initial"));
+    this.measured.material.color.set(cssColor("--predicted"));
     this.outline.material.color.set(cssColor("--muted"));
     this.outline.material.opacity = 0.45;
   }
@@ -95,6 +97,7 @@ export class StructureMesh {
     this.places.array.set(this.resting);
     this.faces.material = this.byRegion;
     this.outline.visible = false;
+    this.measured.object.visible = false;
     this.update();
     for (const {material, color} of this.beams) {
       material.vertexColors = false;
@@ -104,13 +107,14 @@ export class StructureMesh {
   }
 
   // Displaced and coloured; the outline stays where it was.
-  showDisplaced(displacement, factor, paint) {
+  showDisplaced(displacement, factor, paint, measured) {
     const {array} = this.places;
     for (let k = 0; k < array.length; ++k) array[k] = this.resting[k] + factor * displacement[k];
     paint(this.colors.array);
     this.colors.needsUpdate = true;
     this.faces.material = this.byDisplacement;
     this.outline.visible = true;
+    this.measured.object.visible = measured;
     this.update();
     for (const {object, material, ends} of this.beams) {
       copyRows(this.colors.array, ends, object.geometry.attributes.instanceColorStart.data);
@@ -123,14 +127,14 @@ export class StructureMesh {
 
   update() {
     this.places.needsUpdate = true;
-    for (const {object, ends} of this.beams)
+    for (const {object, ends} of [...this.beams, this.measured])
       copyRows(this.places.array, ends, object.geometry.attributes.instanceStart.data);
     copyRows(this.places.array, this.connectors.ends, this.connectors.geometry.attributes.position);
     this.connectors.computeLineDistances();
   }
 }
 
-const endsOf = (lines, dashed) => lines.filter(line => line.dashed === dashed).flatMap(line => line.places);
+const endsOf = (lines, dashed) => lines.filter(line => line.dashed === dashed && !line.measured).flatMap(line => line.places);
 
 function copyRows(from, rows, to) {
   rows.forEach((row, i) => {

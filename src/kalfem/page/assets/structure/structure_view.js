@@ -84,6 +84,7 @@ export class StructureView {
   show(field) {
     this.field = field;
     this.controls.showFor(field);
+    this.marks.showMeasured(Boolean(field?.isMeasured));
     this.setPlaying(Boolean(field) && !prefersStill.matches);
     this.setTime(field ? field.stillAt : 0);
     this.deform();
@@ -119,7 +120,7 @@ export class StructureView {
     const coordinates = field.coordinatesAt(this.time);
     field.displacement(field.isMode ? [1] : coordinates, displacement);
     this.mesh.showDisplaced(displacement, enlarged * (field.isMode ? coordinates[0] : 1),
-                            colors => colorByLength(displacement, field.peak, colors));
+                            colors => colorByLength(displacement, field.peak, colors), field.isMeasured);
   }
 
   // ---- drawing
