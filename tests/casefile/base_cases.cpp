@@ -256,8 +256,10 @@ estimate: {unknown: {strut.k: {initial: 9 kN/m, std: 20 %}}, settle: 0.1 s}
 update:
   parameters:
     body.a.stiffness: {initial: 28 kN/m, std: 20 %, bounds: [10 kN/m, 60 kN/m], truth: 30 kN/m}
-    others: {applies_to: [body.b.stiffness], bounds: [10 kN/m, 60 kN/m]}
-    body.damping.modal: {bounds: [0.1 %, 20 %]}
+    others: {applies_to: [body.b.stiffness], bounds: [10 kN/m, 60 kN/m], std: 20 %}
+    body.damping.modal: {bounds: [0.1 %, 20 %], std: 50 %}
+  alternatives:
+    two: {parameters: {body.a.stiffness: {initial: 28 kN/m, std: 20 %, bounds: [10 kN/m, 60 kN/m], truth: 30 kN/m}, others: {applies_to: [body.b.stiffness], std: 20 %}}}
   compare:
     tap: {modes: body, frequencies: [6.9 Hz, 30.6 Hz], deviation: 2 %, above: 1 Hz, minimum_mac: 0.3, shapes: {file: shapes.csv, points: [1, 2, 3], deviation: 0.1, deviations: shape_deviations.csv}, dampings: [0.02, 0.02], damping_deviation: 20 %, weight: 1}
     table: {modes: body, frequencies: {file: frequencies.csv, column: f, first: 2}, deviation: {file: frequencies.csv, column: std, first: 2}, dampings: {file: frequencies.csv, column: d, first: 2}, damping_deviation: {file: frequencies.csv, column: d, first: 2}, model_modes: [1, 2]}

@@ -58,6 +58,24 @@ void shared_parameters() {
   near(model.stiffness.coeff(1, 1), 700.0);
 }
 
+void alternative_parameters() {
+  const auto study = with_update(
+      "parameters: {s.k.stiffness: {initial: 850, std: 10 %}}, alternatives: {both: {parameters: {all: {initial: 0.6 "
+      "N/mm, std: 10 %, bounds: [0.4 N/mm, 900], truth: 750, applies_to: [s.k.stiffness, s.m.stiffness]}}}}, " +
+      frequencies);
+  const auto& alternatives = study.updating_plan->alternatives;
+  ASSERT_EQ(alternatives.size(), 1u);
+  const auto& [name, setup, plan] = *alternatives.front();
+  EXPECT_EQ(name, "both");
+  ASSERT_EQ(setup.parameters.size(), 1u);
+  EXPECT_EQ(setup.bindings.size(), 2u);
+  near(setup.parameters[0].initial, 600.0);
+  near(setup.parameters[0].deviation, 60.0);
+  near(setup.parameters[0].lower, 400.0);
+  near(setup.parameters[0].upper, 900.0);
+  near(*setup.true_parameters.at(0), 750.0);
+}
+
 // --- natural frequencies ---------------------------------------------------------------------------------------------
 
 void natural_frequencies() {
@@ -390,6 +408,7 @@ KeyChecks updating_keys() {
   add(at + "parameters.*.", {"initial", "std", "bounds"}, parameters);
   add(at + "parameters.*.", {"truth"}, parameter_truths);
   add(at + "parameters.*.", {"applies_to"}, shared_parameters);
+  add(at + "alternatives.*.parameters.*.", {"initial", "std", "bounds", "truth", "applies_to"}, alternative_parameters);
   add(compare_at, {"modes", "frequencies.file", "frequencies.column", "frequencies.first", "model_modes", "above"},
       natural_frequencies);
   add(compare_at,

@@ -27,7 +27,8 @@ CorrelatedComparison compared(const std::string& name, const Study& study, const
   for (std::size_t i = 0; i < measured.sensors.size(); ++i)
     sensors.push_back({measured.sensors[i], measured.places[i]});
   CorrelationOptions options{.above = given.above};
-  if (given.minimum_mac > 0.0) options.pairing.least_mac = given.minimum_mac;  // 0: any agreement is enough to start
+  // An updating may start from less agreement than makes a pair.
+  options.pairing.least_mac = std::max(options.pairing.least_mac, given.minimum_mac);
   auto correlation = correlate(measured.modes, measured.points, sensors, model, options);
   return {name,
           given.substructure.value,
