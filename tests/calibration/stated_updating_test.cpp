@@ -90,24 +90,20 @@ private:
   int count_ = 0;
 };
 
-/// How many intervals hold their truth.
-struct Coverage {
-  int held = 0, intervals = 0;
+/// Counts an interval, and prints one that misses its truth.
+void count_interval(Coverage& coverage, const std::string& problem, const std::string& name, double lower, double upper,
+                    double truth, const std::string& more) {
+  const bool in = lower <= truth && truth <= upper;
+  coverage.add(in);
+  if (!in)
+    std::cout << fmt::format("{} {}: {:.5g} to {:.5g} for {:.5g}{}\n", problem, name, lower, upper, truth, more)
+              << std::flush;
+}
 
-  void count(const std::string& problem, const std::string& name, double lower, double upper, double truth,
-             const std::string& more) {
-    ++intervals;
-    const bool in = lower <= truth && truth <= upper;
-    held += in ? 1 : 0;
-    if (!in)
-      std::cout << fmt::format("{} {}: {:.5g} to {:.5g} for {:.5g}{}\n", problem, name, lower, upper, truth, more)
-                << std::flush;
-  }
-  void expect_95(const std::string& what) const {
-    std::cout << fmt::format("{}: {} of {} intervals true\n", what, held, intervals) << std::flush;
-    EXPECT_TRUE(is_binomial(held, intervals));
-  }
-};
+void expect_95(const Coverage& coverage, const std::string& what) {
+  std::cout << fmt::format("{}: {} of {} intervals true\n", what, coverage.held, coverage.intervals) << std::flush;
+  EXPECT_TRUE(coverage.is_binomial());
+}
 
 /// Updates what somebody else believes by a measurement of the truth.
 template <class Measure>
@@ -125,7 +121,8 @@ Coverage updated(int count, const Measure& measure) {
     for (std::size_t j = 0; j < 2; ++j) {
       const auto& each = found.parameters[j];
       exact += std::abs(each.value - truth.truth(j)) < 1.96 * each.std ? 1 : 0;
-      coverage.count(std::to_string(seed), each.name, each.interval_95.lower, each.interval_95.upper, truth.truth(j),
+      count_interval(coverage, std::to_string(seed), each.name, each.interval_95.lower, each.interval_95.upper,
+                     truth.truth(j),
                      fmt::format(" (std {:.2g}, robust {:.2g}, considered {:.2g}; {}{})", each.std, each.std_robust,
                                  each.std_considered, found.reason, codes_of(found.verdict)));
     }
@@ -147,7 +144,7 @@ TEST(StatedInUpdating, ByModes) {
     }
     return std::pair{belief.structure(), UpdateComparison{.name = "modes", .what = measured}};
   });
-  coverage.expect_95("modes");
+  expect_95(coverage, "modes");
 }
 
 TEST(StatedInUpdating, ByFrequencyResponses) {
@@ -167,7 +164,7 @@ TEST(StatedInUpdating, ByFrequencyResponses) {
     measured.values *= truth.drawn(1.0, of_gains);
     return std::pair{belief.structure(), UpdateComparison{.name = "taps", .what = measured}};
   });
-  coverage.expect_95("frequency responses");
+  expect_95(coverage, "frequency responses");
 }
 
 constexpr double rate = 400.0;
@@ -228,7 +225,7 @@ TEST(StatedInUpdating, ByRecords) {
         made.believed,
         UpdateComparison{.name = "ride", .what = MeasuredRecord{.record = made.record, .sensors = made.sensors}}};
   });
-  coverage.expect_95("records");
+  expect_95(coverage, "records");
 }
 
 /// The filter integrates masses, stiffnesses and dashpots out, samples the gains of the sensors.
@@ -252,11 +249,11 @@ TEST(StatedInPosteriors, ByRecords) {
     const auto found = infer(made.believed, made.record, options);
     for (std::size_t j = 0; j < 2; ++j) {
       const auto& each = found.parameters[j];
-      coverage.count(std::to_string(seed), each.name, each.interval_95.lower, each.interval_95.upper, truth.truth(j),
-                     fmt::format(" (mean {:.5g}, std {:.2g})", each.mean, each.std));
+      count_interval(coverage, std::to_string(seed), each.name, each.interval_95.lower, each.interval_95.upper,
+                     truth.truth(j), fmt::format(" (mean {:.5g}, std {:.2g})", each.mean, each.std));
     }
   }
-  coverage.expect_95("posteriors");
+  expect_95(coverage, "posteriors");
 }
 
 }  // namespace

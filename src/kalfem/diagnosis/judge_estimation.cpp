@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "kalfem/diagnosis/fixed_number_reasons.hpp"
-#include "kalfem/diagnosis/held_out_reasons.hpp"
+#include "kalfem/identification/held_out_sensors.hpp"
 #include "kalfem/identification/parameter_drift.hpp"
 #include "kalfem/identification/stated_interval.hpp"
 
@@ -330,6 +330,30 @@ std::vector<Reason> reasons_of_inputs(const RecordEstimate& estimate) {
                          "give std and correlation_time instead of random_walk, or measure a displacement"});
   }
   return reasons;
+}
+
+/// The reason `band_too_narrow` where a sensor, predicted from all others, contradicts its band: those of quantities
+/// that no sensor measures do not hold either. Process noise that mends it is the remedy.
+std::vector<Reason> held_out_reasons(const RecordEstimate& estimate) {
+  const auto* study = estimate.held_out_sensors.get();
+  const auto* worst = study ? study->worst() : nullptr;
+  if (!worst) return {};
+  std::string remedy =
+      "look for what the model leaves out; until then rely on no band of a quantity that no sensor measures";
+  if (study->proposes())
+    remedy = fmt::format(
+        "look for what the model leaves out, or let process noise stand for it, with which the bands hold: "
+        "process_noise: {{acceleration: {:.2g} m/s^2/sqrt(Hz)}}, adaptive_noise: {{process: true}} (log-likelihood "
+        "{:+.3g})",
+        study->adapted->density, study->adapted->gain);
+  return {{.code = "band_too_narrow",
+           .subject = worst->name,
+           .text = fmt::format("predicted from the other sensors, '{}' contradicts its band, which holds {:.3g} % of "
+                               "its samples and about {:.2g} % of its motion: 95 % bands of quantities that no sensor "
+                               "measures are too narrow",
+                               worst->name, 100.0 * worst->inside, 100.0 * worst->motion_inside),
+           .remedy = std::move(remedy),
+           .weight = std::max(worst->followed, worst->in_band)}};
 }
 
 }  // namespace

@@ -33,6 +33,20 @@ void widen(const MatrixXd& added, EstimatedSeries& monitored, std::vector<Estima
   }
 }
 
+/// Stated numbers of the structure, those first that move the record most within what is stated.
+std::vector<Index> most_telling(const FixedNumberStudy& study) {
+  std::vector<Index> telling;
+  const auto weight = [&](Index i) {
+    const double deviation = study.numbers[static_cast<std::size_t>(i)].deviation;
+    return study.information(i, i) * deviation * deviation;
+  };
+  for (Index i = 0; i < study.size(); ++i)
+    if (study.numbers[static_cast<std::size_t>(i)].parameter && weight(i) > 1.0) telling.push_back(i);
+  std::ranges::stable_sort(telling, std::ranges::greater{}, weight);
+  if (telling.size() > most_learnt) telling.resize(most_learnt);
+  return telling;
+}
+
 }  // namespace
 
 void RecordEstimation::study_fixed_numbers(StepBudget& budget) {
@@ -80,24 +94,6 @@ std::optional<RecordEstimation> RecordEstimation::with_numbers(const ChangedNumb
 } catch (const InvalidInput&) {
   return std::nullopt;
 }
-
-namespace {
-
-/// Stated numbers of the structure, those first that move the record most within what is stated.
-std::vector<Index> most_telling(const FixedNumberStudy& study) {
-  std::vector<Index> telling;
-  const auto weight = [&](Index i) {
-    const double deviation = study.numbers[static_cast<std::size_t>(i)].deviation;
-    return study.information(i, i) * deviation * deviation;
-  };
-  for (Index i = 0; i < study.size(); ++i)
-    if (study.numbers[static_cast<std::size_t>(i)].parameter && weight(i) > 1.0) telling.push_back(i);
-  std::ranges::stable_sort(telling, std::ranges::greater{}, weight);
-  if (telling.size() > most_learnt) telling.resize(most_learnt);
-  return telling;
-}
-
-}  // namespace
 
 std::optional<VectorXd> RecordEstimation::learnt_numbers(const FixedNumberStudy& study) const try {
   const std::vector<Index> telling = most_telling(study);

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "kalfem/base/parallel.hpp"
-#include "kalfem/identification/about_estimates.hpp"
 #include "kalfem/identification/runs_beside.hpp"
 #include "kalfem/identification/white_innovations.hpp"
 #include "kalfem/statistics/quantiles.hpp"

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "kalfem/base/parallel.hpp"
-#include "kalfem/identification/about_estimates.hpp"
 #include "kalfem/identification/freed_numbers.hpp"
 #include "kalfem/identification/record_estimation.hpp"
 #include "kalfem/identification/robust_deviations.hpp"

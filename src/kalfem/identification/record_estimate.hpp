@@ -111,15 +111,20 @@ RecordEstimate estimate_record(const EstimationProblemPtr& problem, const Augmen
 /// unknowns and other process noise (study_process_noise()), the last two unless the settings' `diagnose` is off. Fixed
 /// numbers that the record asks to change are tried as unknowns (try_numbers()); with the settings'
 /// FreeNumbers::automatic the estimate is that with those kept, and its `freed` holds the problem, of which `setup` is
-/// then the filter's model. Last, each sensor is held out as a virtual one (study_held_out_sensors()). If linear
-/// unknowns end far from the values at which the finite elements were reduced, reduces these at the estimates, replaces
-/// `setup`, and runs over the record again. Throws InvalidInput if a reduction fails.
+/// then the filter's model. Bands hold what a finer step changes (RecordEstimation::widen_by_step()). Last, each sensor
+/// is held out as a virtual one (study_held_out_sensors()). If linear unknowns end far from the values at which the
+/// finite elements were reduced, reduces these at the estimates, replaces `setup`, and runs over the record again.
+/// Throws InvalidInput if a reduction fails.
 RecordEstimate estimate_record_thoroughly(const EstimationProblemPtr& problem, AugmentedModelSetup& setup,
                                           const Record& record, const RecordEstimateOptions& options = {});
 
 /// One pass of an estimate's filter over its record again: its noise, outliers and samples that are held out, without
 /// series of the states.
 EstimationOptions rerun_options(FilterKind filter, const EstimationSettings& settings, const RecordEstimate& estimate);
+
+/// The problem with the unknowns beginning at the estimates, within `breadth` of their deviations or what was stated
+/// where that is less, and with the estimate's substeps, for one pass. Random walks keep their prior.
+EstimationProblemPtr about_estimates(const EstimationProblem& problem, const RecordEstimate& estimate, double breadth);
 
 /// The last estimates of the unknowns in the linear part of the filter's model.
 Eigen::VectorXd linear_estimates(const RecordEstimate& estimate);

@@ -308,29 +308,6 @@ void Assembler::report(const std::vector<std::pair<Eigen::Index, std::string>>& 
   }
 }
 
-/// The matrix of a unit mass without inertia at such an offset.
-Eigen::Matrix<double, 6, 6> unit_mass_at(const Eigen::Vector3d& offset) {
-  return point_mass({.mass = 1.0, .offset = offset});
-}
-
-// M_1(o) is of second order in o, so its values at o = 0, e_a, -e_a and e_a + e_b tell it exactly.
-/// Of a unit mass at the offset o: M_0 + sum_a o_a L_a + sum_(a <= b) o_a o_b Q_ab.
-std::vector<std::pair<Powers, Eigen::MatrixXd>> terms_by_offset(const std::string& name) {
-  const std::array axes{".offset_x", ".offset_y", ".offset_z"};
-  const auto unit = [](int axis) { return Eigen::Vector3d(Eigen::Vector3d::Unit(axis)); };
-  const auto at_node = unit_mass_at(Eigen::Vector3d::Zero());
-  std::vector<std::pair<Powers, Eigen::MatrixXd>> terms{{{}, at_node}};
-  for (int a = 0; a < 3; ++a) {
-    const auto there = unit_mass_at(unit(a)), opposite = unit_mass_at(-unit(a));
-    terms.push_back({{{name + axes[a], 1}}, 0.5 * (there - opposite)});
-    terms.push_back({{{name + axes[a], 2}}, 0.5 * (there + opposite) - at_node});
-    for (int b = a + 1; b < 3; ++b)
-      terms.push_back({{{name + axes[a], 1}, {name + axes[b], 1}},
-                       unit_mass_at(unit(a) + unit(b)) - there - unit_mass_at(unit(b)) + at_node});
-  }
-  return terms;
-}
-
 // A point mass is linear in its mass with the inertia held: M = m M_1 + M_J. M_1 has a unit mass at the offset and no
 // inertia and belongs to the parameter, and to the offset where that is one; M_J is constant.
 void Assembler::add_masses() {
@@ -347,7 +324,7 @@ void Assembler::add_masses() {
     };
     const std::string mass_name = item.name + ".mass";
     if (factors_.contains(item.name + ".offset_x"))
-      for (auto& [powers, matrix] : terms_by_offset(item.name)) {
+      for (auto& [powers, matrix] : unit_mass_by_offset(item.name)) {
         powers[mass_name] = 1;
         add(matrix, powers);
       }

@@ -162,4 +162,25 @@ Eigen::Matrix<double, 6, 6> point_mass(const PointMass& mass) {
   return matrix;
 }
 
+Eigen::Matrix<double, 6, 6> unit_mass_at(const Eigen::Vector3d& offset) {
+  return point_mass({.mass = 1.0, .offset = offset});
+}
+
+// M(o) is of second order in o, so its values at o = 0, e_a, -e_a and e_a + e_b tell it exactly.
+std::vector<std::pair<std::map<std::string, int>, Eigen::MatrixXd>> unit_mass_by_offset(const std::string& name) {
+  const std::array axes{".offset_x", ".offset_y", ".offset_z"};
+  const auto unit = [](int axis) { return Eigen::Vector3d(Eigen::Vector3d::Unit(axis)); };
+  const auto at_node = unit_mass_at(Eigen::Vector3d::Zero());
+  std::vector<std::pair<std::map<std::string, int>, Eigen::MatrixXd>> terms{{{}, at_node}};
+  for (int a = 0; a < 3; ++a) {
+    const auto there = unit_mass_at(unit(a)), opposite = unit_mass_at(-unit(a));
+    terms.push_back({{{name + axes[a], 1}}, 0.5 * (there - opposite)});
+    terms.push_back({{{name + axes[a], 2}}, 0.5 * (there + opposite) - at_node});
+    for (int b = a + 1; b < 3; ++b)
+      terms.push_back({{{name + axes[a], 1}, {name + axes[b], 1}},
+                       unit_mass_at(unit(a) + unit(b)) - there - unit_mass_at(unit(b)) + at_node});
+  }
+  return terms;
+}
+
 }  // namespace kalfem

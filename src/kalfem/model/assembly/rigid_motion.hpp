@@ -5,6 +5,7 @@
 #include <map>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "kalfem/model/finite_element_model.hpp"
@@ -109,5 +110,12 @@ private:
 /// Mass of a body at a node, its centre off the node by o (parallel axes): with the cross-product matrix [o],
 ///     M = [m 1, -m [o]; m [o], J - m [o][o]],   6 x 6 in the node's degrees of freedom, global axes.
 Eigen::Matrix<double, 6, 6> point_mass(const PointMass& mass);
+
+/// point_mass() of 1 kg without inertia.
+Eigen::Matrix<double, 6, 6> unit_mass_at(const Eigen::Vector3d& offset);
+
+/// The same as a sum over the powers of "<name>.offset_x", ".offset_y" and ".offset_z":
+///     M(o) = M_0 + sum_a o_a L_a + sum_(a <= b) o_a o_b Q_ab.
+std::vector<std::pair<std::map<std::string, int>, Eigen::MatrixXd>> unit_mass_by_offset(const std::string& name);
 
 }  // namespace kalfem
