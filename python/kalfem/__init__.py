@@ -43,6 +43,7 @@ _NAMES = {
         "gain",
     ),
     "inferring": ("infer", "compare", "ComparedStructure"),
+    "mixing": ("mixture", "Mixture"),
     "posterior": ("Posterior",),
     "analysis": ("estimate", "predict", "simulate", "update"),
     "comparing": ("MeasuredModes", "MeasuredResponses", "MeasuredDeflections", "MeasuredRecord"),

@@ -331,6 +331,10 @@ estimate:
     mount.c: {initial: 3, std: 5 %}
     s.k.stiffness: {initial: 800 N/m, std: 5 %}
   settle: 0.1 s
+  alternatives:
+    connector: mount
+    laws:
+      linear: {law: linear, priors: {k: {normal: {mean: 500 N/m, std: 10 %}}, c: {lognormal: {median: 3, std: 0.2}}}}
 infer:
   parameters: [mount.k, mount.c, s.k.stiffness]
   priors:

@@ -11,7 +11,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-const std::string at = "infer.", law_at = at + "compare_laws.laws.*.";
+const std::string at = "infer.";
 
 /// Two unknowns of the connector c of the lumped case.
 const std::string two_unknowns =
@@ -105,14 +105,51 @@ void likelihoods() {
 }
 
 /// A law with everything that a law can have.
-const std::string alternative =
+const std::string everything =
     "law: expression, force: \"g*x + q*s + c*v + 0.1*tone\", let: {g: 2*k}, states: {s: {rate: \"v - s\", unit: m}}, "
-    "parameters: {q: 3 N/m, c: 4}, signals: {tone: {sine: {amplitude: 1 V, frequency: 3 Hz}}}, "
-    "priors: {k: {uniform: [200 N/m, 300 N/m]}}";
+    "parameters: {q: 3 N/m, c: 4}, signals: {tone: {sine: {amplitude: 1 V, frequency: 3 Hz}}}, ";
+const std::string alternative = everything + "priors: {k: {uniform: [200 N/m, 300 N/m]}}";
 
 const std::string linear =
     "law: linear, priors: {k: {normal: {mean: 500 N/m, std: 50}, bounds: [0, 900]}, c: "
     "{lognormal: {median: 4, std: 30 %}}}";
+
+const std::string unbounded_linear =
+    "law: linear, priors: {k: {normal: {mean: 500 N/m, std: 50}}, c: {lognormal: {median: 4, std: 30 %}}}";
+
+/// The same case with the laws among the alternatives of `estimate`.
+Study with_alternatives(const std::string& laws) {
+  std::string estimate = two_unknowns;
+  estimate.insert(1, "alternatives: {connector: c, laws: {" + laws + "}}, ");
+  return study_of(estimated_case({{"estimate", estimate}}));
+}
+
+/// What an alternative of `estimate` may not have is refused; the rest is the same study as in `infer`.
+void estimated_laws() {
+  const std::string with_normal = everything + "priors: {k: {normal: {mean: 250 N/m, std: 50}}}";
+  const Study study = with_alternatives("one: {" + with_normal + "}, two: {" + unbounded_linear + "}");
+  ASSERT_EQ(study.alternatives.size(), 2u);
+  const auto& [name, law, other] = study.alternatives[0];
+  EXPECT_EQ(name, "one");
+  EXPECT_EQ(law, "expression");
+  const Study inferred =
+      with_infer("compare_laws: {connector: c, laws: {one: {" + with_normal + "}, two: {" + unbounded_linear + "}}}");
+  const auto& expected = system_of(*plan_of(inferred).laws[0].study).connectors.at(0);
+  const auto& found = system_of(*other).connectors.at(0);
+  near(VectorXd(found.parameters), VectorXd(expected.parameters));
+  EXPECT_EQ(found.law->states().size(), 1u);
+  const auto& unknowns = other->problem->settings.unknowns;
+  ASSERT_EQ(unknowns.size(), 1u);
+  near(unknowns[0].initial, 250.0);
+  near(unknowns[0].deviation, 50.0);
+  const auto& of_linear = study.alternatives[1].study->problem->settings.unknowns;
+  ASSERT_EQ(of_linear.size(), 2u);
+  near(of_linear[1].initial, 4.0);
+  near(of_linear[1].deviation, 1.2);
+  EXPECT_EQ(of_linear[1].transform.kind, TransformKind::log);
+  EXPECT_THROW((void)with_alternatives("one: {" + alternative + "}"), InvalidInput);
+  EXPECT_THROW((void)with_alternatives("two: {" + linear + "}"), InvalidInput);
+}
 
 /// The alternative is the case with that law in the connector, and its parameters are its unknowns.
 void laws() {
@@ -160,15 +197,19 @@ void law_signals() {
       "level: {constant: 2 V}, "
       "column: {channel: f, file: fed.csv, sample_rate: 100 Hz, unit: mV, bridge_gaps: 20 ms, prepare: {remove_offset: "
       "{from: 0.1 s, to: 0.2 s}, remove_trend: true, high_pass: 0.5 Hz, low_pass: 30 Hz, sample_rate: 80 Hz}}}";
-  const Study study = with_infer("compare_laws: {connector: c, laws: {one: {" + connector +
-                                 ", priors: {k: {uniform: [200, 300]}}}, two: {" + linear + "}}}");
+  const std::string laws =
+      "one: {" + connector + ", priors: {k: {normal: {mean: 250, std: 50}}}}, two: {" + unbounded_linear + "}";
+  const Study inferred = with_infer("compare_laws: {connector: c, laws: {" + laws + "}}");
+  const Study estimated = with_alternatives(laws);
   const Study expected = study_of(estimated_case(
       {{"estimate", ""}, {"connectors", "{c: {from: s.a, to: s.b, parameters: {k: 250}, " + connector + "}}"}}));
-  const auto& found = plan_of(study).laws.at(0).study->structure->signals;
   const auto& signals = expected.structure->signals;
-  ASSERT_EQ(found.size(), signals.size());
-  ASSERT_EQ(found.size(), 6u);
-  for (std::size_t i = 0; i < found.size(); ++i) same_signal(*found[i], *signals[i], 0.01, 40);
+  for (const auto& study : {plan_of(inferred).laws.at(0).study, estimated.alternatives.at(0).study}) {
+    const auto& found = study->structure->signals;
+    ASSERT_EQ(found.size(), signals.size());
+    ASSERT_EQ(found.size(), 6u);
+    for (std::size_t i = 0; i < found.size(); ++i) same_signal(*found[i], *signals[i], 0.01, 40);
+  }
 }
 
 void sensitivities() {
@@ -196,39 +237,43 @@ KeyChecks inference_keys() {
   add(at + "correlations[].", {"between", "value"}, prior_correlations);
   add(at, {"method", "samples", "seed", "predictions", "profile"}, numbers);
   add(at, {"likelihood", "correlation_time"}, likelihoods);
-  add(at + "compare_laws.", {"connector"}, laws);
-  add(law_at, {"law", "parameters", "force", "let", "states.*.rate", "states.*.unit"}, laws);
-  add(law_at + "priors.*.", prior, laws);
-  add(law_at + "signals.*.",
-      {"bridge_gaps",
-       "channel",
-       "constant",
-       "file",
-       "prepare.high_pass",
-       "prepare.low_pass",
-       "prepare.remove_offset.from",
-       "prepare.remove_offset.to",
-       "prepare.remove_trend",
-       "prepare.sample_rate",
-       "random.band",
-       "random.duration",
-       "random.fade_in",
-       "random.rms",
-       "random.seed",
-       "sample_rate",
-       "scale",
-       "sine.amplitude",
-       "sine.fade_in",
-       "sine.frequency",
-       "sine.phase",
-       "sweep.amplitude",
-       "sweep.duration",
-       "sweep.fade_in",
-       "sweep.from",
-       "sweep.kind",
-       "sweep.to",
-       "unit"},
-      law_signals);
+  const std::vector<std::string> of_law{"law", "parameters", "force", "let", "states.*.rate", "states.*.unit"};
+  const std::vector<std::string> of_signals{"bridge_gaps",
+                                            "channel",
+                                            "constant",
+                                            "file",
+                                            "prepare.high_pass",
+                                            "prepare.low_pass",
+                                            "prepare.remove_offset.from",
+                                            "prepare.remove_offset.to",
+                                            "prepare.remove_trend",
+                                            "prepare.sample_rate",
+                                            "random.band",
+                                            "random.duration",
+                                            "random.fade_in",
+                                            "random.rms",
+                                            "random.seed",
+                                            "sample_rate",
+                                            "scale",
+                                            "sine.amplitude",
+                                            "sine.fade_in",
+                                            "sine.frequency",
+                                            "sine.phase",
+                                            "sweep.amplitude",
+                                            "sweep.duration",
+                                            "sweep.fade_in",
+                                            "sweep.from",
+                                            "sweep.kind",
+                                            "sweep.to",
+                                            "unit"};
+  const std::vector<std::pair<std::string, void (*)()>> places{{at + "compare_laws.", laws},
+                                                               {"estimate.alternatives.", estimated_laws}};
+  for (const auto& [place, check] : places) {
+    add(place, {"connector"}, check);
+    add(place + "laws.*.", of_law, check);
+    add(place + "laws.*.priors.*.", prior, check);
+    add(place + "laws.*.signals.*.", of_signals, law_signals);
+  }
   add(at + "sensitivity.", {"outputs", "samples"}, sensitivities);
   return keys;
 }

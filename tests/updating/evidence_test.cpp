@@ -24,12 +24,5 @@ TEST(Evidence, OfALinearResidualIsExact) {
   EXPECT_NEAR(log_evidence(parameters, start + moved, {first + jacobian * moved, jacobian}), exact, 1e-13);
 }
 
-TEST(Evidence, WeighsModelsHoweverSmall) {
-  const VectorXd weights = weights_of(VectorXd{{-5000.0, -5000.0 - std::log(3.0)}});
-  EXPECT_NEAR(weights[0], 0.75, 1e-12);
-  EXPECT_NEAR(weights[1], 0.25, 1e-12);
-  EXPECT_EQ(weights_of(VectorXd{{-3.0, -std::numeric_limits<double>::infinity()}})[1], 0.0);
-}
-
 }  // namespace
 }  // namespace kalfem

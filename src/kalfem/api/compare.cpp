@@ -3,11 +3,16 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 
 #include "kalfem/api/inference_question.hpp"
 #include "kalfem/inference/law_ranking.hpp"
+#include "kalfem/statistics/mixture.hpp"
 
 namespace kalfem {
+
+using Eigen::Index;
+using Eigen::VectorXd;
 
 namespace {
 
@@ -80,6 +85,54 @@ std::vector<ComparedStructure> compare(const std::vector<CandidateStructure>& ca
   std::vector<ComparedStructure> all;
   for (const auto& law : rank_laws(asked, questions.front().record, options.progress)) all.push_back(compared(law));
   return all;
+}
+
+namespace {
+
+bool is_in_all(const std::string& name, const std::vector<const EstimateResult*>& estimates) {
+  return std::ranges::all_of(estimates, [&](const EstimateResult* estimate) {
+    return std::ranges::find(estimate->outputs, name, &EstimatedQuantity::name) != estimate->outputs.end();
+  });
+}
+
+void check_mixture(const std::vector<EstimateResult>& estimates) {
+  IssueList issues;
+  if (std::ranges::all_of(estimates, [](const auto& each) { return each.failure.has_value(); }))
+    issues.add({}, "a mixture needs an estimate that ran to the end",
+               estimates.empty() ? "none was given" : "all of them stopped");
+  for (std::size_t i = 1; i < estimates.size(); ++i)
+    if (estimates[i].nis.size() != estimates[0].nis.size())
+      issues.add({}, "estimates[" + std::to_string(i) + "] has another number of samples than the first one",
+                 "evidences of different records cannot be weighed", "estimate from one record");
+  issues.raise();
+}
+
+}  // namespace
+
+EstimateMixture mixture(const std::vector<EstimateResult>& estimates) {
+  check_mixture(estimates);
+  VectorXd evidences(std::ssize(estimates));
+  for (Index i = 0; i < evidences.size(); ++i) {
+    const auto& each = estimates[static_cast<std::size_t>(i)];
+    evidences[i] = each.failure ? -std::numeric_limits<double>::infinity() : each.log_likelihood;
+  }
+  EstimateMixture mixed{weights_of(evidences), {}};
+  std::vector<const EstimateResult*> weighty;
+  std::vector<double> weights;
+  for (Index i = 0; i < evidences.size(); ++i) {
+    if (!(mixed.weights[i] > 0.0)) continue;
+    weighty.push_back(&estimates[static_cast<std::size_t>(i)]);
+    weights.push_back(mixed.weights[i]);
+  }
+  for (const auto& [name, unit, own_mean, own_std] : weighty.front()->outputs) {
+    if (!is_in_all(name, weighty)) continue;
+    std::vector<MixedModel> models;
+    for (std::size_t i = 0; i < weighty.size(); ++i)
+      models.push_back({weights[i], weighty[i]->output(name).mean, weighty[i]->output(name).std});
+    auto [mean, deviation] = mixture_of(models);
+    mixed.outputs.push_back({name, unit, std::move(mean), std::move(deviation)});
+  }
+  return mixed;
 }
 
 }  // namespace kalfem

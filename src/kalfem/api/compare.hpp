@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "kalfem/api/estimate.hpp"
 #include "kalfem/api/infer.hpp"
 
 namespace kalfem {
@@ -33,5 +34,17 @@ struct ComparedStructure {
 /// ("candidates[1] 'cubic': unknowns[0] 'mount.k9': ...").
 std::vector<ComparedStructure> compare(const std::vector<CandidateStructure>& candidates, const Record& record,
                                        const InferOptions& options);
+
+/// Several estimates of one record, by structures that may all be right, as one.
+struct EstimateMixture {
+  Eigen::VectorXd weights;                 ///< probability of each, all being as probable before; of a stop 0
+  std::vector<EstimatedQuantity> outputs;  ///< those that every estimate with a weight has, by name
+};
+
+/// Weighs estimates by their evidence, which is EstimateResult::log_likelihood, the filter's own with the unknowns
+/// integrated out, w_i = L_i / sum_j L_j. Outputs are the mixture, mean = sum w_i m_i and std^2 = sum w_i (s_i^2 +
+/// (m_i - mean)^2): their bands hold the spread between the structures. It is what estimate.alternatives of a case
+/// gives. Throws InvalidInput where there is none, all of them stopped, or their records have different lengths.
+EstimateMixture mixture(const std::vector<EstimateResult>& estimates);
 
 }  // namespace kalfem

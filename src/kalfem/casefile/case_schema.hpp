@@ -22,6 +22,7 @@ Schema<Estimation> estimation();
 Schema<Updating> updating();
 Schema<Modification> modification();
 Schema<Inference> inference();
+Schema<LawComparison> law_comparison();
 Schema<Live> live();
 Schema<Placement> placement();
 Schema<Statics> statics();

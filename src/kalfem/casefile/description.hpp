@@ -215,6 +215,7 @@ struct Estimation {
   bool smooth = false;
   Named<Value> known_to;  ///< standard deviations of numbers that are held fixed
   FreeNumbers free = FreeNumbers::ask;
+  std::optional<Located<LawComparison>> alternatives;  ///< laws beside that of the case
 };
 
 struct Prediction {

@@ -211,7 +211,10 @@ Schema<Estimation> estimation() {
                           "they are tried as unknowns, and case.proposed.yaml has one that predicts the last third of "
                           "the record better"},
                          {"auto", FreeNumbers::automatic, "such numbers become unknowns of the run"}}),
-                    "what to do with fixed numbers where the record asks for others"));
+                    "what to do with fixed numbers where the record asks for others")
+          .optional("alternatives", &Estimation::alternatives, located(law_comparison()),
+                    "other laws that a connector may follow: each is estimated too, and virtual sensors are the "
+                    "mixture of all, by the evidence of each law"));
 }
 
 }  // namespace kalfem::description

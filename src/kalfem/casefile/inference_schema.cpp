@@ -31,18 +31,6 @@ Schema<Prior> prior() {
                                "lower and upper bound at which the distribution is cut"));
 }
 
-Schema<LawComparison> law_comparison() {
-  const auto law = Fields<LawAlternative>()
-                       .inlined(&LawAlternative::connector, law_keys())
-                       .required("priors", &LawAlternative::priors, named(located(prior())),
-                                 "unknown parameters of the law with their distributions before the data");
-  return mapping(Fields<LawComparison>()
-                     .required("connector", &LawComparison::connectors, one_or_list(name()),
-                               "connector that each law is put into; of several each has parameters of its own")
-                     .required("laws", &LawComparison::laws, named(located(mapping(law))),
-                               "the laws to choose from, by names of your own"));
-}
-
 Schema<Sensitivity> sensitivity() {
   return mapping(Fields<Sensitivity>()
                      .required("outputs", &Sensitivity::outputs, one_or_list(name()),
@@ -78,6 +66,18 @@ Schema<CandidateGroup> candidate_group() {
 }
 
 }  // namespace
+
+Schema<LawComparison> law_comparison() {
+  const auto law = Fields<LawAlternative>()
+                       .inlined(&LawAlternative::connector, law_keys())
+                       .required("priors", &LawAlternative::priors, named(located(prior())),
+                                 "unknown parameters of the law with their distributions before the data");
+  return mapping(Fields<LawComparison>()
+                     .required("connector", &LawComparison::connectors, one_or_list(name()),
+                               "connector that each law is put into; of several each has parameters of its own")
+                     .required("laws", &LawComparison::laws, named(located(mapping(law))),
+                               "the laws to choose from, by names of your own"));
+}
 
 Schema<Inference> inference() {
   const auto correlation = Fields<PriorCorrelation>()

@@ -19,6 +19,9 @@ public:
   void reset(const Gaussian& estimate) override;
   FilterOutcome predict() override;
   FilterOutcome observe(Eigen::VectorXd& mean, Eigen::VectorXd* deviation) override;
+  Eigen::MatrixXd monitored_with(const std::vector<Eigen::Index>& states) const override {
+    return monitored_transform_.deviations() * factor_(states, Eigen::all).transpose();
+  }
   void keep(ArchiveWriter& archive) const override;
   void take_up(ArchiveReader& archive) override;
 

@@ -9,6 +9,7 @@
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/estimation/adaptive_filter.hpp"
+#include "kalfem/estimation/excess.hpp"
 #include "kalfem/estimation/failure.hpp"
 #include "kalfem/estimation/filter_setup.hpp"
 #include "kalfem/estimation/history_keeper.hpp"
@@ -62,6 +63,8 @@ void check(const AugmentedModel& augmented_model, const FilterInput& input, cons
   const IssueList of_options = validate(augmented_model, options);
   for (const auto& [place, what, why, fix] : of_options.issues()) issues.add(place, what, why, fix);
   if (input.measured.samples() < 1) issues.add({}, "the record is empty", "");
+  if (options.excess.size() > 0 && options.excess.rows() != std::ssize(constant_states(augmented_model)))
+    issues.add({}, "the excess does not have one row per constant unknown", "");
   issues.raise();
 }
 
@@ -77,7 +80,8 @@ public:
         input_stride_(input.input_stride(augmented_model.options().instants())),
         setup_(std::make_unique<FilterSetup>(
             std::shared_ptr<const AugmentedModel>(std::shared_ptr<void>(), &augmented_model), input.noise, options)),
-        linear_unknowns_(linear_unknowns(augmented_model.options())) {
+        linear_unknowns_(linear_unknowns(augmented_model.options())),
+        constants_(constant_states(augmented_model)) {
     const auto& layout = augmented_model.layout();
     in_any_coordinates_.resize(static_cast<std::size_t>(layout.connector_states + layout.unknowns));
     std::iota(in_any_coordinates_.begin(), in_any_coordinates_.end(), layout.linear);
@@ -194,6 +198,7 @@ private:
     result_.state.deviation = options_.state_deviations ? unset(n) : none(n);
     result_.unknowns = {unset(unknowns), unset(unknowns)};
     result_.monitored = {unset(options_.monitored.size()), unset(options_.monitored.size())};
+    if (options_.excess.size() > 0) result_.monitored_excess = none(options_.monitored.size());
     result_.innovation = result_.innovation_deviation = none(l);
     if (l <= most_covariances) result_.innovation_covariance = none(l * (l + 1) / 2);
     result_.nis = VectorXd::Constant(samples, not_a_number);
@@ -274,8 +279,12 @@ private:
     const bool anew = k % options_.deviation_stride == 0;
     const auto outcome = filter->observe(output_mean_, anew ? &output_deviation_ : nullptr);
     if (outcome != FilterOutcome::usable) return outcome;
+    if (anew && options_.excess.size() > 0)
+      output_excess_ =
+          deviation_of_excess(filter->monitored_with(constants_), filter->covariance_of(constants_), options_.excess);
     result_.monitored.mean.col(k) = output_mean_;
     result_.monitored.deviation.col(k) = output_deviation_;
+    if (options_.excess.size() > 0) result_.monitored_excess.col(k) = output_excess_;
     return outcome;
   }
 
@@ -311,12 +320,13 @@ private:
   std::unique_ptr<NoiseAdaptation> adaptation_;  ///< where the noise adapts
   std::unique_ptr<StepShift> shift_;             ///< where it is asked for
   std::vector<Index> linear_unknowns_;
+  std::vector<Index> constants_;           ///< states of the unknowns that do not drift
   std::vector<Index> in_any_coordinates_;  ///< states that have the same meaning in all: internal ones and unknowns
   std::optional<HistoryKeeper> history_;   ///< where it is kept
   LinearEstimate linearised_about_;
   Stopwatch watch_;
   Innovation innovation_;
-  VectorXd measured_, output_mean_, output_deviation_;
+  VectorXd measured_, output_mean_, output_deviation_, output_excess_;
   EstimationResult result_;
 };
 

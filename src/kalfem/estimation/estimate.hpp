@@ -41,6 +41,9 @@ struct EstimationOptions {
   bool keep_unknowns = false;  ///< their history in the result, for deviations that hold where the model is not exact
   /// What the embedded step of order 2 would shift in the unknowns, in the result (StepShift), for a step of order 4.
   bool step_shift = false;
+  /// Factor F of what the covariance of the constant unknowns lacks, F F^T, in the filter's state, c x any: what this
+  /// adds to the monitored quantities is then in the result (deviation_of_excess()).
+  Eigen::MatrixXd excess = {};
   AdaptiveNoiseOptions adaptive_noise = {};
   OutlierOptions outliers = {};               ///< what the updates do with samples far from their prediction
   std::vector<HeldOutSamples> held_out = {};  ///< samples to predict only
@@ -111,8 +114,9 @@ struct EstimationResult {
   EstimatedSeries state;  ///< the augmented state, after the update; see StateLayout
   EstimatedSeries unknowns;  ///< in the parameters' own units
   EstimatedSeries monitored;
-  Eigen::MatrixXd step_shift;  ///< of the unknowns, in their own units, unknowns x samples; where it is asked for
-  Eigen::MatrixXd innovation;  ///< l x samples, NaN where missing
+  Eigen::MatrixXd monitored_excess;  ///< deviations that EstimationOptions::excess adds, quantities x samples
+  Eigen::MatrixXd step_shift;        ///< of the unknowns, in their own units, unknowns x samples; where it is asked for
+  Eigen::MatrixXd innovation;        ///< l x samples, NaN where missing
   Eigen::MatrixXd innovation_deviation;  ///< l x samples
   /// Its covariance's lower triangle row by row, l (l + 1) / 2 x samples, NaN where missing; empty for more than
   /// `most_covariances` channels.

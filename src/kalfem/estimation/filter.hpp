@@ -104,6 +104,9 @@ public:
   /// Mean and, where asked for, standard deviation of the monitored quantities. Means are cheap, deviations may cost as
   /// much as a step.
   [[nodiscard]] virtual FilterOutcome observe(Eigen::VectorXd& mean, Eigen::VectorXd* deviation) = 0;
+  /// Covariance of the monitored quantities with these states, quantities x states, by the last observe() that computed
+  /// deviations.
+  [[nodiscard]] virtual Eigen::MatrixXd monitored_with(const std::vector<Eigen::Index>& states) const = 0;
 
   /// Gain K of the last update, x+ = x- + K Innovation::conditioned_value(), n x measured channels [state/output]. It
   /// holds until the next prediction.

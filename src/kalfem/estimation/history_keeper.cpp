@@ -16,13 +16,18 @@ constexpr Index largest_history = 10'000'000;  ///< numbers of the covariances o
 
 }  // namespace
 
+std::vector<Index> constant_states(const AugmentedModel& augmented_model) {
+  const auto& unknowns = augmented_model.options().unknowns;
+  std::vector<Index> states;
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    if (unknowns[i].random_walk == 0.0) states.push_back(augmented_model.layout().unknown() + static_cast<Index>(i));
+  return states;
+}
+
 HistoryKeeper::HistoryKeeper(const AugmentedModel& augmented_model, const Gaussian& prior, Index samples,
                              Index channels)
-    : samples_(samples) {
-  const auto& unknowns = augmented_model.options().unknowns;
-  for (std::size_t i = 0; i < unknowns.size(); ++i)
-    if (unknowns[i].random_walk == 0.0) history_.unknowns.push_back(static_cast<Index>(i));
-  for (const Index i : history_.unknowns) states_.push_back(augmented_model.layout().unknown() + i);
+    : samples_(samples), states_(constant_states(augmented_model)) {
+  for (const Index state : states_) history_.unknowns.push_back(state - augmented_model.layout().unknown());
   const Index count = std::ssize(states_);
   history_.stride = 1 + samples * count * count / largest_history;
   const Index most = 2 + samples / history_.stride;  // the prior, the multiples of the stride and the last sample

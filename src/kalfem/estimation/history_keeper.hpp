@@ -7,7 +7,10 @@
 
 namespace kalfem {
 
-/// Keeps the history of the constant unknowns, those without random walk, along a run over a record. Long histories of
+/// Places in the augmented state of the constant unknowns, those without random walk.
+std::vector<Eigen::Index> constant_states(const AugmentedModel& augmented_model);
+
+/// Keeps the history of the constant unknowns along a run over a record. Long histories of
 /// many unknowns are kept at some samples only. One run.
 class HistoryKeeper {
 public:
@@ -26,8 +29,8 @@ private:
   void keep_slope(Eigen::Index k, const Filter& filter, const Innovation& innovation);
 
   UnknownsHistory history_;
-  std::vector<Eigen::Index> states_;  ///< places of the constants in the augmented state
   Eigen::Index samples_;
+  std::vector<Eigen::Index> states_;      ///< places of the constants in the augmented state
   Eigen::Index points_ = 0, slopes_ = 0;  ///< that are kept
   bool keeps_slopes_ = false;
   Eigen::MatrixXd covariance_, gain_;         ///< of the constants: P after the update and K

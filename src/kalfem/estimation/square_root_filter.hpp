@@ -21,6 +21,9 @@ public:
   FilterOutcome predict() override;
   void set_process_noise(const Eigen::MatrixXd& noise) override;
   FilterOutcome observe(Eigen::VectorXd& mean, Eigen::VectorXd* deviation) override;
+  Eigen::MatrixXd monitored_with(const std::vector<Eigen::Index>& states) const override {
+    return transform_.deviations() * factor_(states, Eigen::all).transpose();
+  }
   void keep(ArchiveWriter& archive) const override;
   void take_up(ArchiveReader& archive) override;
 

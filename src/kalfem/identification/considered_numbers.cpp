@@ -19,20 +19,6 @@ namespace {
 
 constexpr std::size_t most_learnt = 12;  ///< numbers that a filter has as unknowns beside the given ones
 
-void widen(const MatrixXd& added, EstimatedSeries& series) {
-  series.deviation = (series.deviation.cwiseAbs2() + added.cwiseAbs2()).cwiseSqrt();
-}
-
-/// Monitored quantities, and the unknown inputs behind them.
-void widen(const MatrixXd& added, EstimatedSeries& monitored, std::vector<EstimatedInput>& inputs) {
-  const Index quantities = monitored.deviation.rows();
-  widen(added.topRows(quantities), monitored);
-  for (std::size_t i = 0; i < inputs.size(); ++i) {
-    const VectorXd of_input = added.row(quantities + static_cast<Index>(i)).transpose();
-    inputs[i].deviation = (inputs[i].deviation.cwiseAbs2() + of_input.cwiseAbs2()).cwiseSqrt();
-  }
-}
-
 /// Stated numbers of the structure, those first that move the record most within what is stated.
 std::vector<Index> most_telling(const FixedNumberStudy& study) {
   std::vector<Index> telling;
@@ -134,17 +120,12 @@ double RecordEstimation::log_likelihood() const {
   return log_likelihood_from(estimate_.result, estimate_.settled) + jacobian;
 }
 
-void RecordEstimation::widen_monitored(const MatrixXd& added) {
-  widen(added, estimate_.result.monitored, estimate_.inputs);
-  if (estimate_.smoothed) widen(added, estimate_.smoothed->monitored, estimate_.smoothed_inputs);
-}
-
 /// Innovations are those with the fixed numbers as the record asks for within what is stated. Where these agree with
 /// the model, scores that the numbers bend widen no deviation.
 void RecordEstimation::take_considered(const ConsideredNumbers& considered) {
   auto& result = estimate_.result;
   estimate_.considered_deviation = estimate_.fixed_numbers->considered.rowwise().norm();
-  widen_monitored(considered.monitored);
+  widen_monitored(considered.monitored, considered.monitored);
   const WhiteInnovations whiten(result);
   result.innovation += considered.innovation;
   const VectorXd nis = whiten(result.innovation).colwise().squaredNorm();

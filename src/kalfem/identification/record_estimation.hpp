@@ -42,6 +42,8 @@ public:
   [[nodiscard]] bool shows_a_change() const;
   /// Bands of monitored quantities hold what a step four times as fine changes in them, with the run's gains.
   void widen_by_step(StepBudget& budget);
+  /// They hold what the robust deviations of the unknowns have beyond the filter's.
+  void widen_by_scores(StepBudget& budget);
   void study_process_noise(StepBudget& budget);
   void study_fixed_numbers(StepBudget& budget);
   /// Fixed numbers that the record asks to change, as unknowns: see kalfem::try_numbers().
@@ -78,7 +80,7 @@ private:
   void evaluate(FilteredRecord filtered, SubstepChoice substeps);
   void add_event_of_change();
   void take_considered(const ConsideredNumbers& considered);
-  void widen_monitored(const Eigen::MatrixXd& added);
+  void widen_monitored(const Eigen::MatrixXd& filtered, const Eigen::MatrixXd& smoothed);
   [[nodiscard]] FilterRun run_with(int substeps) const;
   [[nodiscard]] std::optional<Eigen::MatrixXd> monitored_with(int substeps) const;
 

@@ -101,6 +101,13 @@ void widen_by_bands(RecordEstimate& estimate) {
   if (!innovations.derivative.empty()) widen(estimate.robust, band_variances(innovations, prior_score(history)));
 }
 
+/// Whether a robust deviation that is stated is larger than the filter's by what matters.
+bool states_more(const RecordEstimate& estimate) {
+  const auto& deviation = estimate.result.unknowns.deviation;
+  const auto stated = deviation.col(deviation.cols() - 1).array();
+  return (estimate.robust_deviation.array() > suspicious_widening * stated).any();
+}
+
 }  // namespace
 
 bool innovations_contradict(const RecordEstimate& estimate, Index first) {
@@ -136,6 +143,24 @@ InnovationRecord innovations_of(const Record& measured, const EstimationResult& 
 
 InnovationRecord innovations_of(const RecordEstimate& estimate) {
   return innovations_of(estimate.measurements, estimate.result, estimate.settled);
+}
+
+/// In coordinates in which the filter's covariance is I, an eigenvalue of the robust one less 1 is its excess.
+MatrixXd excess_of(const RecordEstimate& estimate) {
+  const auto& history = estimate.result.unknowns_history;
+  if (estimate.result.failure || history.empty() || !states_more(estimate)) return {};
+  const MatrixXd stated = history.covariance_at(history.last());
+  const VectorXd scale = stated.diagonal().cwiseSqrt();
+  if (!(scale.array() > 0.0).all()) return {};
+  const auto correlated = [&](const MatrixXd& covariance) {
+    return MatrixXd(scale.cwiseInverse().asDiagonal() * covariance * scale.cwiseInverse().asDiagonal());
+  };
+  const Eigen::LLT<MatrixXd> root(correlated(stated));
+  if (root.info() != Eigen::Success) return {};
+  const MatrixXd half = root.matrixL().solve(correlated(estimate.robust.covariance));
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> robust(root.matrixL().solve(half.transpose()));
+  const VectorXd excess = (robust.eigenvalues().array() - 1.0).cwiseMax(0.0).sqrt();
+  return scale.asDiagonal() * (root.matrixL() * (robust.eigenvectors() * excess.asDiagonal()));
 }
 
 void set_robust_deviations(RecordEstimate& estimate) {

@@ -10,4 +10,7 @@ namespace kalfem {
 /// go to `issues` with their place.
 void add_law_alternatives(const CaseStudy& study, InferencePlan& plan, IssueList& issues);
 
+/// The studies of estimate.alternatives: likewise, for an estimation each.
+std::vector<LawAlternative> estimated_alternatives(const CaseStudy& study, IssueList& issues);
+
 }  // namespace kalfem

@@ -33,6 +33,7 @@ void check_estimation(const d::Case& given, IssueList& issues) {
   refuse(!estimate.known_to.empty(), "known_to");
   refuse(estimate.free != FreeNumbers::ask, "free");
   refuse(estimate.local.has_value(), "local");
+  refuse(estimate.alternatives.has_value(), "alternatives");
   for (const auto& [name, unknown] : estimate.unknown)
     if (is_measurement_unknown(name) && !name.ends_with(".offset"))
       issues.add(unknown.initial.location, "estimate.unknown." + name + " needs a whole record",

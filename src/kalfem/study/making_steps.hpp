@@ -57,6 +57,7 @@ enum class StudyItem {
   driven_substructure,
   driven_comparisons,
   validation,
+  alternatives,
   inference,
   placement,
   static_analysis,

@@ -9,6 +9,7 @@
 #include "kalfem/base/units.hpp"
 #include "kalfem/identification/parameterised_structure.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
+#include "kalfem/statistics/mixture.hpp"
 #include "kalfem/study/case_study.hpp"
 #include "kalfem/updating/eigen_sensitivities.hpp"
 #include "kalfem/yaml/bounds.hpp"
@@ -138,20 +139,16 @@ void set_deviations(const MatrixXd& slopes, const Study& study, const UpdatedPar
 StructuralModificationResult mixed(const std::vector<StructuralModificationResult>& models, const VectorXd& weights) {
   Index modes = models.front().frequencies.size();
   for (const auto& each : models) modes = std::min(modes, each.frequencies.size());
-  StructuralModificationResult mixture{
-      models.front().name, models.front().substructure, VectorXd::Zero(modes), VectorXd::Zero(modes), {}};
-  const auto each_with_weight = [&](const auto& what) {
-    for (Index m = 0; m < weights.size(); ++m)
-      if (weights[m] > 0.0) what(weights[m], models[static_cast<std::size_t>(m)]);
-  };
-  each_with_weight(
-      [&](double weight, const auto& model) { mixture.frequencies += weight * model.frequencies.head(modes); });
-  each_with_weight([&](double weight, const auto& model) {
-    mixture.deviations += weight * (model.deviations.head(modes).cwiseAbs2() +
-                                    (model.frequencies.head(modes) - mixture.frequencies).cwiseAbs2());
-  });
-  mixture.deviations = mixture.deviations.cwiseSqrt();
-  return mixture;
+  std::vector<VectorXd> frequencies, deviations;
+  for (const auto& each : models) {
+    frequencies.push_back(each.frequencies.head(modes));
+    deviations.push_back(each.deviations.head(modes));
+  }
+  std::vector<MixedModel> parts;
+  for (std::size_t m = 0; m < models.size(); ++m)
+    parts.push_back({weights[static_cast<Index>(m)], frequencies[m], deviations[m]});
+  const auto [mean, deviation] = mixture_of(parts);
+  return {models.front().name, models.front().substructure, mean, deviation, {}};
 }
 
 std::vector<StructuralModification> make_modifications(const CaseStudy& study, IssueList& issues) {

@@ -17,6 +17,7 @@
 #include "kalfem/study/inference_plan.hpp"
 #include "kalfem/study/joints.hpp"
 #include "kalfem/study/known_to_of.hpp"
+#include "kalfem/study/law_alternatives.hpp"
 #include "kalfem/study/live_plan.hpp"
 #include "kalfem/study/making_steps.hpp"
 #include "kalfem/study/placement_plan.hpp"
@@ -191,6 +192,10 @@ private:
          });
     step(filter, {augmented_model}, {"estimate", "kappa"}, [&](IssueList&) {
       if (study_.augmented_model) check_filter(study_);
+    });
+    step(alternatives, {augmented_model, filter, update}, {"estimate", "alternatives"}, [&](IssueList& issues) {
+      if (study_.given.estimate && study_.given.estimate->alternatives)
+        study_.alternatives = estimated_alternatives(study_, issues);
     });
     step(driven_substructure, {augmented_model, predict, record, simulate, estimate, update, excitation},
          {"predict", "substructure"}, [&](IssueList&) {

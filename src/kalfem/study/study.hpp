@@ -52,6 +52,7 @@ struct Study {
   std::optional<UpdatingPlan> updating_plan;           ///< likewise
   EstimationProblemPtr problem;                        ///< if the case has `estimate`
   std::optional<AugmentedModelSetup> augmented_model;  ///< likewise; at the initial values of the updating
+  std::vector<LawAlternative> alternatives;            ///< of `estimate`: the same case with other laws
   std::optional<ValidationPlan> validation;            ///< if the case has `validate`
   std::optional<PredictionPlan> prediction;            ///< if the case has `predict`
   std::vector<StructuralModification> modifications;

@@ -25,9 +25,4 @@ double log_evidence(const std::vector<UpdatingParameter>& parameters, const Vect
   return -0.5 * (value.values.squaredNorm() + moved.squaredNorm()) - factor.diagonal().array().log().sum();
 }
 
-VectorXd weights_of(const VectorXd& log_evidences) {
-  const VectorXd relative = (log_evidences.array() - log_evidences.maxCoeff()).exp();
-  return relative / relative.sum();
-}
-
 }  // namespace kalfem

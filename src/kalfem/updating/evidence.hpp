@@ -13,7 +13,4 @@ namespace kalfem {
 double log_evidence(const std::vector<UpdatingParameter>& parameters, const Eigen::VectorXd& theta,
                     const ResidualValue& value);
 
-/// Weights of models with these evidences and the same chance before, which sum up to 1.
-Eigen::VectorXd weights_of(const Eigen::VectorXd& log_evidences);
-
 }  // namespace kalfem

@@ -202,6 +202,16 @@ FilterOutcome PartiallyLinearFilter::observe(VectorXd& mean, VectorXd* deviation
   return FilterOutcome::usable;
 }
 
+/// A P_x,states + G P_f,states.
+MatrixXd PartiallyLinearFilter::monitored_with(const std::vector<Index>& states) const {
+  MatrixXd cross(monitored_.cols(), std::ssize(states));
+  for (Index i = 0; i < cross.cols(); ++i) {
+    const Index slot = layout_.slot[static_cast<std::size_t>(states[static_cast<std::size_t>(i)])];
+    cross.col(i) = monitored_products_.row(slot).transpose() + monitored().gain() * force_.row(slot).transpose();
+  }
+  return cross;
+}
+
 const VectorXd& PartiallyLinearFilter::mean() const {
   const auto mean = estimate_.mean();
   mean_.resize(static_cast<Index>(layout_.slot.size()));

@@ -26,6 +26,7 @@ public:
   FilterOutcome predict() override;
   void set_process_noise(const Eigen::MatrixXd& noise) override;
   FilterOutcome observe(Eigen::VectorXd& mean, Eigen::VectorXd* deviation) override;
+  Eigen::MatrixXd monitored_with(const std::vector<Eigen::Index>& states) const override;
   void keep(ArchiveWriter& archive) const override { estimate_.keep(archive); }
   void take_up(ArchiveReader& archive) override { estimate_.take_up(archive); }
 

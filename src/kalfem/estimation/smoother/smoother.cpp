@@ -7,7 +7,9 @@
 #include "kalfem/base/interruption.hpp"
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/estimation/adaptive_filter.hpp"
+#include "kalfem/estimation/excess.hpp"
 #include "kalfem/estimation/filter_setup.hpp"
+#include "kalfem/estimation/history_keeper.hpp"
 #include "kalfem/estimation/narrow_prior.hpp"
 #include "kalfem/estimation/smoother/adjoint.hpp"
 
@@ -182,13 +184,20 @@ private:
 class SmoothedSeries {
 public:
   SmoothedSeries(const AugmentedModel& augmented_model, const FilterInput& input, const EstimationOptions& options)
-      : augmented_model_(augmented_model), input_(input), options_(options), moments_(transform_of(options)) {
+      : augmented_model_(augmented_model),
+        input_(input),
+        options_(options),
+        constants_(constant_states(augmented_model)),
+        moments_(transform_of(options)) {
     const auto series = [&](Index rows) {
       const MatrixXd empty = MatrixXd::Constant(rows, input.measured.samples(), std::nan(""));
       return EstimatedSeries{empty, empty};
     };
-    record_ = {series(augmented_model.layout().size()), series(augmented_model.layout().unknowns),
-               series(options.monitored.size())};
+    record_ = {series(augmented_model.layout().size()),
+               series(augmented_model.layout().unknowns),
+               series(options.monitored.size()),
+               {}};
+    if (options.excess.size() > 0) record_.monitored_excess = record_.monitored.deviation;
   }
 
   bool store(Index k, const SmootherStep& step, const Adjoint& adjoint) {
@@ -201,9 +210,9 @@ public:
 
   /// Deviations of monitored quantities stand from one computed sample to the next, as the filter's do.
   SmoothedRecord finish() {
-    auto& deviation = record_.monitored.deviation;
-    for (Index k = 0; k < deviation.cols(); ++k)
-      deviation.col(k) = deviation.col(k - k % options_.deviation_stride).eval();
+    for (MatrixXd* deviation : {&record_.monitored.deviation, &record_.monitored_excess})
+      for (Index k = 0; k < deviation->cols(); ++k)
+        deviation->col(k) = deviation->col(k - k % options_.deviation_stride).eval();
     return std::move(record_);
   }
 
@@ -254,12 +263,25 @@ private:
         covariance.bottomLeftCorner(A.rows(), q) * moments_.slopes() + 0.5 * G * moments_.covariance();
     const VectorXd variance = covariance.diagonal().tail(A.rows()) + 2.0 * force.cwiseProduct(G).rowwise().sum();
     record_.monitored.deviation.col(k) = variance.cwiseMax(0.0).cwiseSqrt();
+    if (options_.excess.size() > 0) store_excess(k, step, adjoint);
     return true;
+  }
+
+  /// With P_y,theta = A P_x,theta + G slopes^T N P_x,theta of the smoothed estimate.
+  void store_excess(Index k, const SmootherStep& step, const Adjoint& adjoint) {
+    const auto& map = *step.model->setup->monitored;
+    const MatrixXd& P = step.estimate.covariance;
+    const MatrixXd before = P(Eigen::all, constants_);
+    const MatrixXd with = before - P * (adjoint.matrix * before);
+    const MatrixXd cross =
+        map.linear() * with + map.gain() * (moments_.slopes().transpose() * (map.selection() * with));
+    record_.monitored_excess.col(k) = deviation_of_excess(cross, with(constants_, Eigen::all), options_.excess);
   }
 
   const AugmentedModel& augmented_model_;
   const FilterInput& input_;
   const EstimationOptions& options_;
+  std::vector<Index> constants_;
   ArgumentMoments moments_;
   SmoothedRecord record_;
 };

@@ -12,6 +12,7 @@ struct SmoothedRecord {
   EstimatedSeries state;     ///< the augmented state in physical coordinates
   EstimatedSeries unknowns;  ///< in the parameters' own units
   EstimatedSeries monitored;
+  Eigen::MatrixXd monitored_excess;  ///< deviations that EstimationOptions::excess adds, quantities x samples
 };
 
 struct SmootherOptions {

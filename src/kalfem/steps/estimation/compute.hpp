@@ -17,4 +17,11 @@ EstimationOutcome run_estimation(const Study& study, AugmentedModelSetup& setup,
                                  const std::vector<std::string>& updated, const Progress& progress,
                                  const std::function<void(EstimationOutcome)>& on_first_answer);
 
+/// Estimates the record with each of the case's other laws too, and weighs all laws by their evidence p(y), which is
+/// the filter's own likelihood with the unknowns integrated out. Motions and forces of `outcome` become the mixture,
+///     mean = sum w_i m_i,    variance = sum w_i (s_i^2 + (m_i - mean)^2).
+/// The law of a filter that stops has no weight.
+void run_alternatives(const Study& study, const StudyResults& results, const Progress& progress,
+                      EstimationOutcome& outcome);
+
 }  // namespace kalfem

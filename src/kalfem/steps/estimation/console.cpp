@@ -33,6 +33,8 @@ std::string parameters_told(const Study& study, const EstimationOutcome& outcome
                                                            four_digits(outcome.measurements.end()))
                                              : std::string("Estimated parameters\n")) +
                      to_text(parameter_table(study, outcome)) + "\n";
+  if (!outcome.alternatives.empty())
+    text += "Laws, by the evidence of the record\n" + to_text(alternatives_table(study, outcome)) + "\n";
   if (outcome.fixed_numbers)
     text += considered_words(outcome) + "Numbers that are held fixed, those that matter most\n" +
             to_text(sensitivity_table(outcome, most_fixed_numbers)) + "\n";

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,6 +27,9 @@ struct EstimationOutcome : RecordEstimate {
   double seconds = 0.0;
   double first_answer_seconds = 0.0;     ///< of these, until the first answer
   std::vector<FieldSeries> fields = {};  ///< for pictures, where the case asks for them
+  /// With the other laws of the case, if it has such; `points` and `smoothed_points` are then the mixture of all.
+  std::vector<std::shared_ptr<const EstimationOutcome>> alternatives = {};
+  double log_evidence = 0.0, weight = 1.0;  ///< of this law among them
 };
 
 }  // namespace kalfem

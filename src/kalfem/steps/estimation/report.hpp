@@ -88,6 +88,13 @@ nlohmann::ordered_json held_out_summary(const HeldOutStudy& study);
 /// The shares inside in a line; a table where a band does not hold.
 std::string held_out_words(const HeldOutStudy& study);
 
+/// The object "alternatives": every other law with its weight, evidence and parameters.
+nlohmann::ordered_json alternatives_summary(const Study& study, const EstimationOutcome& outcome);
+/// All laws, that of the case first.
+Table alternatives_table(const Study& study, const EstimationOutcome& outcome);
+/// A warning where another law is far more probable than that of the case; empty otherwise.
+std::string unlikely_law_words(const Study& study, const EstimationOutcome& outcome);
+
 /// Natural frequencies over the record for summary.json: each with its range and its last value.
 nlohmann::ordered_json frequencies_summary(const FrequencyCourse& course);
 /// The same as a table.

@@ -58,6 +58,8 @@ Section sensitivity_section(const RecordEstimate& estimate);
 Section freed_section(const FreedNumbers& freed);
 /// Sensors predicted from the others as virtual ones.
 Section held_out_section(const HeldOutStudy& study);
+/// The laws of the case with their evidence.
+Section alternatives_section(const Study& study, const EstimationOutcome& outcome);
 /// Natural frequencies over the record: a table, and each over time with its 95 % band.
 Section frequencies_section(const FrequencyCourse& course);
 

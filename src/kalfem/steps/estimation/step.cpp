@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kalfem/diagnosis/look_for_cause.hpp"
 #include "kalfem/identification/freed_numbers.hpp"
+#include "kalfem/page/json_number.hpp"
 #include "kalfem/steps/estimation/compute.hpp"
 #include "kalfem/steps/estimation/report.hpp"
 #include "kalfem/steps/estimation/sections.hpp"
@@ -56,6 +57,8 @@ void estimate(RunContext& context) {
   const StructureParts& parts = context.updated ? *context.updated : study.structure->parts;
   diagnose(context, parts, outcome);
   if (!results.complete()) return;
+  if (!study.alternatives.empty()) run_alternatives(study, results, context.job.begin("alternatives"), outcome);
+  if (auto words = unlikely_law_words(study, outcome); !words.empty()) results.warnings.push_back(std::move(words));
   if (study.problem->settings.smooth && !outcome.smoothed)
     results.warnings.push_back(
         "estimate.smooth: the estimates from the whole record are missing: rounding stopped the smoother with every "
@@ -71,6 +74,7 @@ void estimate(RunContext& context) {
 std::vector<PlannedStep> phases(const Study& study) {
   std::vector<PlannedStep> phases{{"estimate", 3.0}};
   if (study.problem->settings.diagnose) phases.push_back({"diagnose", 1.0});
+  if (!study.alternatives.empty()) phases.push_back({"alternatives", 3.0 * std::ssize(study.alternatives)});
   return phases;
 }
 
@@ -88,6 +92,10 @@ void summarise(const Study& study, const StudyResults& results, Json& summary) {
   if (outcome.fixed_numbers) summary["sensitivity"] = sensitivity_summary(outcome);
   if (outcome.freed && !outcome.freed->tried.empty()) summary["freed"] = freed_summary(*outcome.freed);
   if (outcome.held_out_sensors) summary["held_out"] = held_out_summary(*outcome.held_out_sensors);
+  if (!outcome.alternatives.empty()) {
+    estimation["weight"] = number(outcome.weight);
+    estimation["alternatives"] = alternatives_summary(study, outcome);
+  }
   if (!outcome.events.empty()) summary["events"] = events_summary(outcome);
   if (outcome.frequencies) summary["frequencies"] = frequencies_summary(*outcome.frequencies);
   if (outcome.smoothed) summary["smoothed"] = smoothed_summary(outcome);
@@ -110,6 +118,7 @@ std::vector<PlacedSection> sections(const Study& study, const StudyResults& resu
   if (!outcome.has_samples()) return all;
   add(study.record ? PagePlace::measured : PagePlace::sensors, sensors_section(study, outcome));
   if (outcome.augmented_model->layout().unknowns > 0) add(PagePlace::parameters, parameters_section(study, outcome));
+  if (!outcome.alternatives.empty()) add(PagePlace::parameters, alternatives_section(study, outcome));
   if (outcome.fixed_numbers) add(PagePlace::parameters, sensitivity_section(outcome));
   if (outcome.freed && !outcome.freed->tried.empty()) add(PagePlace::parameters, freed_section(*outcome.freed));
   if (outcome.frequencies) add(PagePlace::motion, frequencies_section(*outcome.frequencies));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <limits>
 
+#include "kalfem/statistics/mixture.hpp"
 #include "kalfem/steps/updating/compute.hpp"
-#include "kalfem/updating/evidence.hpp"
 
 namespace kalfem {
 
