@@ -65,8 +65,12 @@ def mixture(runs: Mapping[str, Run]) -> Mixture:
     True
     """
     evidence = np.array([_evidence(name, run) for name, run in runs.items()])
-    if not np.isfinite(evidence).any():
+    if not np.isfinite(evidence).any():  # nor of an empty dictionary
         raise InvalidInput(Issue("a mixture needs a run that ran to its end", "there is none", "give such runs"))
+    lengths = {len(run["time"]) for run in runs.values()}
+    if len(lengths) > 1:
+        why = "evidences of different records cannot be weighed"
+        raise InvalidInput(Issue(f"the runs have different numbers of samples: {sorted(lengths)}", why, "estimate one record"))
     weights = np.exp(evidence - evidence.max())
     weights /= weights.sum()
     named = dict(zip(runs, map(float, weights)))
@@ -88,9 +92,6 @@ def _evidence(name, run):
 def _mixed(path, runs, weights):
     parts = [(weights[name], run[path]) for name, run in runs.items()]
     first = parts[0][1]
-    if any(len(part) != len(first) for _, part in parts):
-        why = "evidences of different records cannot be weighed"
-        raise InvalidInput(Issue(f"{path} has different numbers of samples", why, "estimate from one record"))
     mean = sum(weight * np.asarray(part) for weight, part in parts)
     variance = sum(weight * (part.std**2 + (np.asarray(part) - mean) ** 2) for weight, part in parts)
     return TimeSeries(mean, first.t, np.sqrt(variance), first.unit, path)
