@@ -312,6 +312,21 @@ predict: {substructure: mast}
 report: {fields: {substructure: mast, every: 0.1 s}, modes: 3, strains: [mast.high], superelements: [matrix_market]}
 )";
 
+/// A law with signals, among the laws that a connector may follow.
+const std::string fed_law = R"yaml(      fed:
+        law: expression
+        let: {g: 2*k}
+        force: "g*x + q*s + 3*v + 1e-3*(noise + tone + chirp + level + column)"
+        states: {s: {rate: "v - s", unit: m}}
+        parameters: {q: 1}
+        signals:
+          noise: {random: {rms: 1 V, band: [0.5, 5 Hz], duration: 1 s, fade_in: 0.1 s, seed: 2}, scale: 2}
+          tone: {sine: {amplitude: 1 V, frequency: 3 Hz, phase: 0.1, fade_in: 0.1 s}}
+          chirp: {sweep: {amplitude: 1 V, from: 1 Hz, to: 5 Hz, duration: 1 s, kind: linear, fade_in: 0.1 s}}
+          level: {constant: 2 V}
+          column: {channel: f, file: input.csv, unit: V, bridge_gaps: 20 ms, prepare: {remove_offset: {from: 0.1 s, to: 0.2 s}, remove_trend: true}}
+)yaml";
+
 const std::string inferring = R"yaml(kalfem: 1
 substructures:
   s: {masses: {a: 2 kg, b: 1 kg}, springs: [{name: k, from: ground, to: a, stiffness: 800 N/m, damping: 4 N s/m}]}
@@ -335,6 +350,7 @@ estimate:
     connector: mount
     laws:
       linear: {law: linear, priors: {k: {normal: {mean: 500 N/m, std: 10 %}}, c: {lognormal: {median: 3, std: 0.2}}}}
+)yaml" + fed_law + R"yaml(        priors: {k: {lognormal: {median: 250, std: 0.1}}}
 infer:
   parameters: [mount.k, mount.c, s.k.stiffness]
   priors:
@@ -353,19 +369,7 @@ infer:
     connector: mount
     laws:
       linear: {law: linear, priors: {k: {normal: {mean: 500 N/m, std: 10 %}}, c: {uniform: [1, 9]}}}
-      fed:
-        law: expression
-        let: {g: 2*k}
-        force: "g*x + q*s + 3*v + 1e-3*(noise + tone + chirp + level + column)"
-        states: {s: {rate: "v - s", unit: m}}
-        parameters: {q: 1}
-        priors: {k: {lognormal: {median: 250, std: 0.1}, bounds: [1, 900]}}
-        signals:
-          noise: {random: {rms: 1 V, band: [0.5, 5 Hz], duration: 1 s, fade_in: 0.1 s, seed: 2}, scale: 2}
-          tone: {sine: {amplitude: 1 V, frequency: 3 Hz, phase: 0.1, fade_in: 0.1 s}}
-          chirp: {sweep: {amplitude: 1 V, from: 1 Hz, to: 5 Hz, duration: 1 s, kind: linear, fade_in: 0.1 s}}
-          level: {constant: 2 V}
-          column: {channel: f, file: input.csv, unit: V, bridge_gaps: 20 ms, prepare: {remove_offset: {from: 0.1 s, to: 0.2 s}, remove_trend: true}}
+)yaml" + fed_law + R"yaml(        priors: {k: {lognormal: {median: 250, std: 0.1}, bounds: [1, 900]}}
 )yaml";
 
 const std::string placing = R"(kalfem: 1
