@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "casefile/case_run.hpp"
+#include "kalfem/report/result_set.hpp"
 #include "kalfem/steps/estimation/compute.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
 #include "kalfem/steps/estimation/report.hpp"
@@ -80,6 +81,10 @@ TEST(LawAlternatives, AreMixedByTheirEvidence) {
   for (const auto& each : found.smoothed_points)
     expect_mixed(each, cubic.smoothed_points, weight, straight.smoothed_points);
   EXPECT_EQ(unlikely_law_words(study, found), "");
+  const auto told = summarise(study, results)["estimation"];
+  EXPECT_NEAR(told["weight"].get<double>(), weight, 1e-9);
+  EXPECT_NEAR(told["alternatives"]["straight"]["weight"].get<double>(), 1.0 - weight, 1e-9);
+  EXPECT_TRUE(told["alternatives"]["straight"]["parameters"].contains("mount.k"));
 }
 
 // Where the record is far from linear, the other law has no weight, and the answer is that of the case.

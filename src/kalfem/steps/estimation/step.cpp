@@ -85,17 +85,18 @@ void summarise(const Study& study, const StudyResults& results, Json& summary) {
     summary["inputs"] = inputs_summary(outcome.inputs, outcome.settled);
     summary["hardly_known"] = outcome.hardly_known;
   }
-  Json& estimation = summary["estimation"] = estimation_summary(outcome);
+  Json estimation = estimation_summary(outcome);
   if (!outcome.left_out.empty()) estimation["left_out"] = outcome.left_out;
   if (outcome.result.noise) estimation["adaptive_noise"] = adaptive_noise_summary(outcome);
   if (!outcome.process_noise.empty()) estimation["process_noise"] = process_noise_summary(outcome);
-  if (outcome.fixed_numbers) summary["sensitivity"] = sensitivity_summary(outcome);
-  if (outcome.freed && !outcome.freed->tried.empty()) summary["freed"] = freed_summary(*outcome.freed);
-  if (outcome.held_out_sensors) summary["held_out"] = held_out_summary(*outcome.held_out_sensors);
   if (!outcome.alternatives.empty()) {
     estimation["weight"] = number(outcome.weight);
     estimation["alternatives"] = alternatives_summary(study, outcome);
   }
+  summary["estimation"] = std::move(estimation);
+  if (outcome.fixed_numbers) summary["sensitivity"] = sensitivity_summary(outcome);
+  if (outcome.freed && !outcome.freed->tried.empty()) summary["freed"] = freed_summary(*outcome.freed);
+  if (outcome.held_out_sensors) summary["held_out"] = held_out_summary(*outcome.held_out_sensors);
   if (!outcome.events.empty()) summary["events"] = events_summary(outcome);
   if (outcome.frequencies) summary["frequencies"] = frequencies_summary(*outcome.frequencies);
   if (outcome.smoothed) summary["smoothed"] = smoothed_summary(outcome);
