@@ -21,6 +21,7 @@ namespace py = pybind11;
 using Column = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 void bind_analysis(py::module_& module);
+void bind_command(py::module_& module);
 void bind_errors(py::module_& module);
 void bind_estimate(py::module_& module);
 void bind_filter(py::module_& module);

@@ -29,6 +29,7 @@ PYBIND11_MODULE(_core, module) {
   bind_run(module);
   bind_analysis(module);
   bind_sweep(module);
+  bind_command(module);
 }
 
 }  // namespace kalfem::python

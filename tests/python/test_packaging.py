@@ -75,16 +75,11 @@ def test_another_processor_is_one_message():
 
 def test_another_python_is_one_message(tmp_path):
     here = Path(kf.__file__).parent
-    shutil.copytree(here, tmp_path / "kalfem", ignore=shutil.ignore_patterns("_core*.so", "_libraries", "_command", "__pycache__"))
+    shutil.copytree(here, tmp_path / "kalfem", ignore=shutil.ignore_patterns("_core*.so", "_libraries", "__pycache__"))
     (tmp_path / "kalfem/_core.cpython-399-x86_64-linux-gnu.so").touch()
     program = "import kalfem as kf; kf.Structure"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(tmp_path)})
     assert "kalfem was built for cpython-399, and this is Python 3." in done.stderr.splitlines()[-1]
-
-
-def test_a_package_without_the_command_says_so():
-    done = subprocess.run([sys.executable, "-c", "import kalfem.command as c; c.main()"], capture_output=True, text=True)
-    assert done.returncode == 1 and done.stderr.count("\n") == 1 and "scripts/package" in done.stderr
 
 
 def test_the_version_is_one():
