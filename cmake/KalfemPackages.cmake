@@ -28,10 +28,10 @@ set(CPACK_DEBIAN_COMMAND_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_COMMAND_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_COMMAND_PACKAGE_RECOMMENDS librsvg2-bin)  # figures as PNG
 set(CPACK_DEBIAN_COMMAND_DESCRIPTION "The command kalfem takes the linear parts of a structure (masses, a mesh, or a
-Nastran, Abaqus or CalculiX deck), the nonlinear elements between them and a few
-measured accelerations. An unscented Kalman filter over reduced substructures
-finds the unknown parameters with their deviations, and the motion where no
-sensor is, and says whether to trust the numbers.")
+Nastran, Abaqus or CalculiX deck), the nonlinear elements between them and a
+few measured accelerations. An unscented Kalman filter over reduced
+substructures finds the unknown parameters with their deviations, and the
+motion where no sensor is, and says whether to trust the numbers.")
 
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libkalfem-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)

@@ -17,5 +17,5 @@ def main() -> int:
     try:
         from .module_file import core
     except ImportError as error:
-        sys.exit(f"kalfem: {error}")
+        sys.exit(str(error))
     return core._command([os.fsencode(word) for word in sys.argv])
