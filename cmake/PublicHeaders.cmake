@@ -25,7 +25,8 @@ set(KALFEM_CORE_HEADERS
     system/sensors/measurement_chain.hpp system/sensors/output_description.hpp
     system/signals/sampled.hpp)
 set(KALFEM_FORMATS_HEADERS
-    formats/deck.hpp formats/ledger.hpp formats/mode_file.hpp formats/matrices.hpp formats/matrices/write.hpp formats/tables/csv.hpp)
+    formats/deck.hpp formats/ledger.hpp formats/mode_file.hpp formats/matrices.hpp formats/matrices/write.hpp formats/tables/csv.hpp
+    formats/updated_deck.hpp)
 set(KALFEM_STUDY_HEADERS analysis/analysis.hpp report/run_case.hpp)
 
 # The folders' libraries of each component; a component uses those before it.

@@ -23,7 +23,7 @@ STUB = ast.parse((PROJECT / "python/kalfem/_core.pyi").read_text())
 WIDTH = 110
 
 GROUPS = {
-    "Structures": "Structure Lumped FiniteElements lumped chain read_deck deck_notes laws",
+    "Structures": "Structure Lumped FiniteElements lumped chain read_deck deck_notes write_updated_deck laws",
     "Sensors": "Sensor displacement velocity acceleration force deformation rate strain low_pass high_pass delay without_lag resonance gain",
     "Records": "read Record MeasuredFile TimeSeries",
     "Simulation and identification": "simulate estimate predict validate Validation SensorValidation",

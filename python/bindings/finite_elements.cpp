@@ -4,6 +4,7 @@
 
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/deck.hpp"
+#include "kalfem/formats/updated_deck.hpp"
 #include "kalfem/formats/vtu.hpp"
 #include "kalfem/model/statics/geometric_stiffness.hpp"
 #include "kalfem/model/unit_system.hpp"
@@ -88,6 +89,39 @@ py::list notes_of(const std::filesystem::path& file) {
     notes.append(py::make_tuple(to_string(note.kind), note.what, note.consequence, note.count,
                                 note.where.file + ":" + std::to_string(note.where.line)));
   return notes;
+}
+
+py::dict written_deck(const std::filesystem::path& file, const std::map<std::string, double>& values,
+                      const std::filesystem::path& folder, const std::string& units,
+                      std::optional<std::int64_t> subcase) {
+  std::vector<DeckValue> wanted;
+  for (const auto& [parameter, value] : values) wanted.push_back({parameter, value});
+  const auto deck = updated_deck(file, wanted, {.subcase = subcase}, units_of(units));
+  py::dict result;
+  result["file"] = deck.texts.empty() ? py::object(py::none()) : py::cast(write_deck(deck, folder).string());
+  py::list changes, unwritten;
+  for (const auto& change : deck.changes) {
+    py::dict entry;
+    entry["parameter"] = change.parameter;
+    entry["file"] = change.where.file;
+    entry["line"] = change.where.line;
+    entry["card"] = change.card;
+    entry["field"] = change.field;
+    entry["before"] = change.before;
+    entry["after"] = change.after;
+    entry["remark"] = change.remark;
+    changes.append(entry);
+  }
+  for (const auto& left : deck.unwritten) {
+    py::dict entry;
+    entry["parameter"] = left.parameter;
+    entry["why"] = left.why;
+    entry["fix"] = left.fix;
+    unwritten.append(entry);
+  }
+  result["changes"] = changes;
+  result["unwritten"] = unwritten;
+  return result;
 }
 
 ReductionMethod method_named(const std::string& name) {
@@ -275,6 +309,30 @@ mass_matrix : {"consistent", "lumped"}, optional
 )");
   module.def("deck_notes", &notes_of, py::arg("file"),
              "What a deck holds and the model does not use: tuples of kind, what, consequence, count and place.");
+  module.def("write_updated_deck", &written_deck, py::arg("file"), py::arg("values"), py::arg("folder"), py::kw_only(),
+             py::arg("units") = "m kg s", py::arg("subcase") = py::none(),
+             R"(Write a deck with other values of some parameters, and everything else as it is, byte for byte.
+
+Parameters
+----------
+file : path
+    A deck of Nastran, Abaqus or CalculiX. Files that it includes are written beside it.
+values : dict of str to float
+    SI values of parameters as an updating names them, without the substructure: ``"mat7.youngs_modulus"``,
+    ``"pshell3.thickness"``, ``"conm2_12.mass"``, ``"celas4.stiffness"``.
+folder : path
+units : str
+    In which the deck is, ``"mm t s"``: fields keep them.
+subcase : int, optional
+    As for read_deck().
+
+Returns
+-------
+dict
+    ``file``, where the deck stands (None where nothing changes); ``changes``, a dict for each changed field
+    (``parameter``, ``file``, ``line``, ``card``, ``field``, ``before``, ``after``, ``remark``); ``unwritten``, a dict
+    for each value that no field states (``parameter``, ``why``, ``fix``).
+)");
 }
 
 }  // namespace kalfem::python

@@ -28,6 +28,7 @@ _NAMES = {
         "chain",
         "read_deck",
         "deck_notes",
+        "write_updated_deck",
         "displacement",
         "velocity",
         "acceleration",
@@ -117,6 +118,7 @@ if TYPE_CHECKING:
         strain as strain,
         velocity as velocity,
         without_lag as without_lag,
+        write_updated_deck as write_updated_deck,
     )
     from .analysis import estimate as estimate, predict as predict, simulate as simulate, update as update
     from .cases import Case as Case, read_case as read_case, to_case as to_case

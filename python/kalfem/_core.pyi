@@ -110,6 +110,14 @@ def read_deck(
     mass_matrix: Literal["consistent", "lumped"] | None = ...,
 ) -> FiniteElements: ...
 def deck_notes(file: Any) -> list[tuple[str, str, str, int, str]]: ...
+def write_updated_deck(
+    file: Any,
+    values: Mapping[str, float],
+    folder: Any,
+    *,
+    units: str = "m kg s",
+    subcase: int | None = ...,
+) -> dict[str, Any]: ...
 
 class Structure:
     def __init__(self) -> None: ...

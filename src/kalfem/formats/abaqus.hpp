@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 
 #include "kalfem/formats/deck.hpp"
@@ -32,8 +33,13 @@ using DeckLoader = std::function<std::string(const std::filesystem::path&)>;
 /// understood, throws InvalidInput with file and line, up to 20 problems together.
 Deck read_abaqus(const std::filesystem::path& file, const DeckOptions& options = {});
 
-/// The same from text. `source` names it in messages and is what included files are looked up beside.
+/// The keyword that states a region's section, by the region's name, and that of a stiffness or mass, by its parameter:
+/// "skin", "mounts.17.stiffness".
+using DeckOrigins = std::map<std::string, SourceLocation>;
+
+/// The same from text. `source` names it in messages and is what included files are looked up beside;
+/// `origins`, where it is given, gets the keywords.
 Deck parse_abaqus(std::string content, const std::string& source, const DeckLoader& loader,
-                  const DeckOptions& options = {});
+                  const DeckOptions& options = {}, DeckOrigins* origins = nullptr);
 
 }  // namespace kalfem

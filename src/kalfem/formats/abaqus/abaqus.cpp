@@ -125,7 +125,8 @@ void take_preload(const RawDeck& raw, Deck& result) {
 
 // Order: regions and point elements, then constraints and supports, which motions.store() reduces and stores together.
 // Steps that change cells follow, when no keyword refers to the elements any more.
-void build_model(const RawDeck& raw, bool with_ledger, DeckNotes& notes, Problems& problems, Deck& result) {
+void build_model(const RawDeck& raw, bool with_ledger, DeckNotes& notes, Problems& problems, Deck& result,
+                 DeckOrigins* origins) {
   FiniteElementModel& model = result.model;
   PlacedDeck deck(raw, model.mesh, notes, problems);
   if (deck.mesh.node_count() == 0)
@@ -162,6 +163,8 @@ void build_model(const RawDeck& raw, bool with_ledger, DeckNotes& notes, Problem
   apply_nodal_thickness(deck, model);
   release_held_rotations(deck, result);
   problems.raise();
+  if (origins)
+    for (const auto& [name, where] : deck.origins) (*origins)[name] = problems.location(where);
   Ledger ledger;
   settle_ledger(raw, notes, problems, with_ledger ? &ledger : nullptr);
   result.ledger = ledger.take();
@@ -182,14 +185,14 @@ RawDeck read_raw(std::string content, const std::string& source, const DeckLoade
 
 }  // namespace
 
-Deck parse_abaqus(std::string content, const std::string& source, const DeckLoader& loader,
-                  const DeckOptions& options) {
+Deck parse_abaqus(std::string content, const std::string& source, const DeckLoader& loader, const DeckOptions& options,
+                  DeckOrigins* origins) {
   DeckNotes notes;
   Problems problems;
   RawDeck raw = read_raw(std::move(content), source, loader, options.load_cases, notes, problems);
   raw.temperature = options.temperature;
   Deck deck;
-  build_model(raw, options.ledger, notes, problems, deck);
+  build_model(raw, options.ledger, notes, problems, deck, origins);
   deck.model.mesh.source = source;
   deck.model.name = std::filesystem::path(source).stem().string();
   deck.notes = notes.take();

@@ -95,6 +95,7 @@ public:
   std::vector<PlacedElement> elements;
   std::vector<ElementMass> element_masses;
   std::vector<std::string> regions_by_nodes;  ///< regions whose thickness is given at their nodes
+  std::map<std::string, Where> origins;       ///< see DeckOrigins
   std::map<Index, Eigen::Matrix3d>
       load_axes;                       ///< of nodes whose loads are not along global axes or those of *TRANSFORM
   std::map<Index, Index> local_nodes;  ///< of nodes that load cases move along axes of *TRANSFORM, see add_local_node()

@@ -117,6 +117,7 @@ void add_masses(PlacedDeck& deck, FiniteElementModel& model) {
         given[static_cast<std::size_t>(index)] = true;
         if (!deck.nodes_of(element, nodes)) continue;
         const std::string name = set + "." + std::to_string(element.raw->label);
+        if (masses) deck.origins.try_emplace(name + ".mass", keyword.where);
         masses ? add_mass(deck, at, element, name, nodes.front(), model)
                : add_inertia(deck, at, element, name, nodes.front(), model);
       }

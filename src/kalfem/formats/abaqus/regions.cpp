@@ -202,7 +202,8 @@ void build_regions(const RawDeck& raw, PlacedDeck& deck, Materials& materials, F
     }
     draft.elements.push_back(static_cast<Index>(i));
   }
-  for (const auto& draft : drafts) switch (draft.family) {
+  for (const auto& draft : drafts) {
+    switch (draft.family) {
       case Family::shell:
       case Family::membrane:
         add_shell_region(deck, materials, draft, model);
@@ -217,6 +218,9 @@ void build_regions(const RawDeck& raw, PlacedDeck& deck, Materials& materials, F
         add_trusses(deck, materials, draft, model);
         break;
     }
+    for (const auto& [region, property] : model.properties)
+      deck.origins.try_emplace(region, draft.section.block->keyword.where);
+  }
 }
 
 namespace {

@@ -90,6 +90,8 @@ void add_springs(PlacedDeck& deck, MaterialTemperature& temperature, FiniteEleme
         if (springs ? !is_spring(family) : !is_dashpot(family)) continue;
         if (!data.contains(family)) data[family] = spring_data(deck, *at.block, family, temperature);
         given[static_cast<std::size_t>(index)] = true;
+        if (springs)
+          deck.origins.try_emplace(set + "." + std::to_string(element.raw->label) + ".stiffness", keyword.where);
         if (data[family]) maker.add(element, at, set, *data[family]);
       }
     }

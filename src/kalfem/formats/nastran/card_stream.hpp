@@ -10,6 +10,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "kalfem/base/invalid_input.hpp"
@@ -57,6 +58,10 @@ public:
   std::optional<DeckLine> next();
   /// Content of the file that the deck begins with.
   [[nodiscard]] std::string_view main_text() const { return texts_.front(); }
+  /// Text of a file by its position among those that were opened.
+  [[nodiscard]] const std::string& text(std::int32_t file) const { return texts_[static_cast<std::size_t>(file)]; }
+  /// File and offset of a part of a text; nothing of what is no part of one, as a field of a line with tabs.
+  [[nodiscard]] std::optional<std::pair<std::int32_t, std::size_t>> place_of(std::string_view part) const;
   /// Last lines of included files that have no line end, as those of files that are cut off.
   [[nodiscard]] const std::vector<Place>& open_ends() const { return open_ends_; }
 

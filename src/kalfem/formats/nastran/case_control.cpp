@@ -160,6 +160,23 @@ int CaseControl::solution_number() const {
   return 0;
 }
 
+namespace {
+
+/// Whether a line of the text, apart from blanks before it, begins with this word in any case.
+bool has_line_with(std::string_view text, std::string_view word) {
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    const auto line = trimmed(text.substr(at, end - at));
+    if (line.size() >= word.size() && upper_case(line.substr(0, word.size())) == word) return true;
+    at = end + 1;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool has_case_control(std::string_view text) { return has_line_with(text, "CEND") || has_line_with(text, "BEGIN"); }
+
 bool begins_bulk(std::string_view line) {
   const auto words = words_of(trimmed(line));
   return !words.empty() && words[0] == "BEGIN" && (words.size() == 1 || words[1] == "BULK") &&

@@ -64,5 +64,7 @@ private:
 
 /// Whether a line begins the bulk data: BEGIN BULK, also with a comma or alone, but not of a superelement.
 bool begins_bulk(std::string_view line);
+/// Whether a deck begins with executive and case control; otherwise it is bulk data from its first line on.
+bool has_case_control(std::string_view text);
 
 }  // namespace kalfem::nastran

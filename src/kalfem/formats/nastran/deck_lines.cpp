@@ -2,6 +2,7 @@
 #include "kalfem/formats/nastran/card_stream.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "kalfem/formats/gmsh/gmsh_scanner.hpp"
@@ -82,6 +83,15 @@ void DeckLines::open(std::string content, const std::filesystem::path& path) {
   ++opened_;
   texts_.push_back(std::move(content));
   stack_.push_back({path, texts_.back(), {files_.add(path.string()), 0}});
+}
+
+std::optional<std::pair<std::int32_t, std::size_t>> DeckLines::place_of(std::string_view part) const {
+  const std::less_equal<> before;  // of pointers into different texts
+  for (std::size_t i = 0; i < texts_.size(); ++i)
+    if (const auto* begin = texts_[i].data();
+        before(begin, part.data()) && before(part.data() + part.size(), begin + texts_[i].size()))
+      return std::pair(static_cast<std::int32_t>(i), static_cast<std::size_t>(part.data() - begin));
+  return std::nullopt;
 }
 
 std::optional<std::string_view> DeckLines::raw_line() {

@@ -19,17 +19,6 @@ namespace kalfem {
 namespace nastran {
 namespace {
 
-/// Whether a line of the text, apart from blanks before it, begins with this word in any case.
-bool has_line_with(std::string_view text, std::string_view word) {
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find('\n', at), text.size());
-    const auto line = trimmed(text.substr(at, end - at));
-    if (line.size() >= word.size() && upper_case(line.substr(0, word.size())) == word) return true;
-    at = end + 1;
-  }
-  return false;
-}
-
 /// Leads each line to the part of the deck that it stands in.
 class DeckReader {
 public:
@@ -43,7 +32,7 @@ public:
         cards_(files, [this](const Card& card) { read_card(card, reading_); }) {}
 
   void read(DeckLines& lines) {
-    const bool has_control = has_line_with(lines.main_text(), "CEND") || has_line_with(lines.main_text(), "BEGIN");
+    const bool has_control = has_case_control(lines.main_text());
     has_control ? void(part_ = Part::control) : start_bulk();
     Place last{};
     bool goes_on = true;

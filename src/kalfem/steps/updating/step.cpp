@@ -5,6 +5,7 @@
 #include "kalfem/steps/updating/checkpoint.hpp"
 #include "kalfem/steps/updating/compute.hpp"
 #include "kalfem/steps/updating/report.hpp"
+#include "kalfem/steps/updating/updated_decks.hpp"
 
 namespace kalfem {
 namespace {
@@ -30,10 +31,34 @@ void update(RunContext& context) {
   auto& outcome = results.put(run_updating(study, results, context.options_of("update"), results.failure));
   if (!results.complete()) return;
   run_alternatives(study, results, outcome);
+  results.put(updated_decks(study, outcome.values));
   if (context.takes("modes")) results.put(modes_at(study, outcome.values, study.report.modes));
   if (!study.augmented_model) return;
   outcome.unknowns_before = unknowns_at_start(study, results);
   hand_on(study, outcome, context);
+}
+
+nlohmann::ordered_json summary_of(const Study& study, const StudyResults& results) {
+  auto summary = updating_summary(study, results.get<UpdatingOutcome>());
+  if (const auto* decks = results.find<UpdatedDecks>(); decks && !decks->decks.empty())
+    summary["decks"] = updated_decks_summary(*decks);
+  return summary;
+}
+
+std::string told(const Study& study, const StudyResults& results) {
+  std::string text = console_updating(study, results);
+  if (const auto* decks = results.find<UpdatedDecks>())
+    if (const auto words = updated_decks_words(*decks); !words.empty()) text += words + "\n";
+  return text;
+}
+
+std::vector<PlacedSection> sections_of(const Study& study, const StudyResults& results) {
+  Section section = updating_section(study, results);
+  if (const auto* decks = results.find<UpdatedDecks>()) {
+    if (const auto words = updated_decks_words(*decks); !words.empty()) section.text += "\n\n" + words;
+    if (auto table = updated_decks_table(*decks); !table.rows.empty()) section.items.emplace_back(std::move(table));
+  }
+  return {{PagePlace::updating, std::move(section)}};
 }
 
 /// Every iteration: the residual, the parameters tried, the parameters accepted last. Then the compared responses.
@@ -82,18 +107,18 @@ RunStep updating_step() {
           .checkpoint = {.file = checkpoint_name},
           .ran = &has_outcome<UpdatingOutcome>,
           .seconds = &seconds_of<UpdatingOutcome>,
-          .summarise =
-              [](const Study& study, const StudyResults& results, nlohmann::ordered_json& summary) {
-                summary["updating"] = updating_summary(study, results.get<UpdatingOutcome>());
-              },
-          .tell = &console_updating,
+          .summarise = [](const Study& study, const StudyResults& results,
+                          nlohmann::ordered_json& summary) { summary["updating"] = summary_of(study, results); },
+          .tell = &told,
           .answer = [](const Study&,
                        const StudyResults& results) { return updating_answer(results.get<UpdatingOutcome>()); },
-          .sections = [](const Study& study, const StudyResults& results) -> std::vector<PlacedSection> {
-            return {{PagePlace::updating, updating_section(study, results)}};
-          },
+          .sections = &sections_of,
           .visit = [](const Study& study, const StudyResults& results,
-                      SeriesWriter& file) { write_updating(file, study, results.get<UpdatingOutcome>()); }};
+                      SeriesWriter& file) { write_updating(file, study, results.get<UpdatingOutcome>()); },
+          .write =
+              [](const std::filesystem::path& folder, const Study&, const StudyResults& results) {
+                if (const auto* decks = results.find<UpdatedDecks>()) write_updated_decks(folder, *decks);
+              }};
 }
 
 }  // namespace kalfem
