@@ -97,8 +97,8 @@ struct Needed {
 /// Asks the text of a deck for changes, in the terms of the model.
 class Rewriting {
 public:
-  Rewriting(const FiniteElementModel& model, DeckText& text, UpdatedDeck& result)
-      : model_(model), text_(text), result_(result) {}
+  Rewriting(const FiniteElementModel& model, double length_unit, DeckText& text, UpdatedDeck& result)
+      : model_(model), length_unit_(length_unit), text_(text), result_(result) {}
 
   void ask_for(const std::vector<DeckValue>& values) {
     for (const auto& value : values) take(value);
@@ -111,6 +111,12 @@ public:
 private:
   void take(const DeckValue& value);
   void scale_fields();
+  /// Whether the field is what the region has.
+  [[nodiscard]] bool is_thickness(double thickness, const std::vector<FieldPlace>& places) const {
+    return std::ranges::all_of(places, [&](const auto& place) {
+      return std::abs(text_.number(place) * length_unit_ - thickness) <= 1e-9 * thickness;
+    });
+  }
   void scale_material(const std::string& material);
   void scale_uses(const std::string& material, const std::vector<MaterialUse>& uses);
   [[nodiscard]] Needed needed_by(const MaterialUse& use, const std::string& material) const;
@@ -127,6 +133,7 @@ private:
   [[nodiscard]] std::string cause_of(const std::string& material, const std::string& without) const;
 
   const FiniteElementModel& model_;
+  double length_unit_;  ///< of the deck [m]
   DeckText& text_;
   UpdatedDeck& result_;
   std::map<std::string, Change> changes_;  ///< by parameter
@@ -184,6 +191,8 @@ void Rewriting::scale_fields() {
         if (ratios[place].size() > 1)
           throw Unwritable("its field also states what does not change alike",
                            "update what shares it by one parameter, or give it a card of its own");
+      if (quantity == "thickness" && !is_thickness(*value_of(model_, parameter), places))
+        throw Unwritable("the thickness is given at the elements (T1 to T4)", "change it there by hand");
       std::vector<double> values;
       for (const auto& place : places) values.push_back(text_.number(place) * change.ratio);
       for (std::size_t i = 0; i < places.size(); ++i)
@@ -349,7 +358,7 @@ UpdatedDeck updated_deck(const fs::path& file, const std::vector<DeckValue>& val
                                              ? rewriting::abaqus_text(texts.at(main), main, load, origins)
                                              : rewriting::nastran_text(texts.at(main), main, load);
   to_si(deck.model, units);
-  Rewriting rewriting(deck.model, *text, result);
+  Rewriting rewriting(deck.model, units.length, *text, result);
   rewriting.ask_for(values);
   Texts changed = text->apply(result.changes);
   if (changed.empty()) return result;
