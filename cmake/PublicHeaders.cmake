@@ -16,17 +16,17 @@ set(KALFEM_CORE_HEADERS
     model/elements/element.hpp model/mesh/mesh.hpp model/mesh/properties.hpp
     model/gauges/gauge_description.hpp
     model/statics/load_case.hpp # of decks
-    modal/identify_modes.hpp modal/modal_options.hpp modal/modal_result.hpp records/spectrum.hpp # modes of a record alone
-    correlation/correlate.hpp correlation/setup_mistakes.hpp updating/measured_mode.hpp updating/mode_pairing.hpp # and beside a model
+    modal/identify_modes.hpp modal/merge_setups.hpp modal/modal_options.hpp modal/modal_result.hpp records/spectrum.hpp # modes of a record alone
+    correlation/correlate.hpp correlation/point_match.hpp correlation/setup_mistakes.hpp updating/measured_mode.hpp updating/mode_pairing.hpp # and beside a model
     records/measured_file.hpp records/mode_set.hpp
-    records/clock_lag.hpp records/record.hpp reduction/superelement.hpp
+    records/clock_lag.hpp records/record.hpp records/test_point.hpp reduction/superelement.hpp
     vibration/computed_response.hpp
     system/connector_law.hpp system/signal.hpp
     system/sensors/measurement_chain.hpp system/sensors/output_description.hpp
     system/signals/sampled.hpp)
 set(KALFEM_FORMATS_HEADERS
     formats/deck.hpp formats/ledger.hpp formats/mode_file.hpp formats/matrices.hpp formats/matrices/write.hpp formats/tables/csv.hpp
-    formats/updated_deck.hpp)
+    formats/test_points.hpp formats/updated_deck.hpp)
 set(KALFEM_STUDY_HEADERS analysis/analysis.hpp report/run_case.hpp)
 
 # The folders' libraries of each component; a component uses those before it.

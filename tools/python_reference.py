@@ -29,7 +29,7 @@ GROUPS = {
     "Simulation and identification": "simulate estimate predict validate Validation SensorValidation",
     "Updating": "update MeasuredModes MeasuredResponses MeasuredDeflections MeasuredRecord",
     "Posteriors": "infer Posterior compare ComparedStructure Likelihood",
-    "Modes, frequency responses, statics": "modal IdentifiedMode IdentifiedModes read_modes ModeSet correlate Correlation CorrelatedMode SetupMistake modes Modes frf frequency_responses "
+    "Modes, frequency responses, statics": "modal merge_setups IdentifiedMode IdentifiedModes read_modes ModeSet match_points PointMatch MatchedPoint PlaceFit correlate Correlation CorrelatedMode SetupMistake modes Modes frf frequency_responses "
     "FrequencyResponses FrequencyResponse mac statics Statics StaticCase",
     "Sensor placement": "place Placement SensorSet",
     "Sample by sample": "Filter Estimate watch Watch",

@@ -35,6 +35,7 @@ struct Arguments {
   command::WatchArguments watch;
   command::PlayArguments play;
   command::ModalArguments modal;
+  command::MatchArguments match;
   std::string case_file, resumed, page, shell, topic, kind, folder;
   std::vector<std::string> units, files;
   bool json = false, quiet = false, laws = false, ledger = false, large = false;
@@ -130,6 +131,10 @@ command::ExitCode execute(const CLI::App& app, Arguments& arguments) {
   if (app.got_subcommand("modal")) {
     arguments.modal.as_json = arguments.json;
     return command::modal(arguments.modal);
+  }
+  if (app.got_subcommand("match")) {
+    arguments.match.as_json = arguments.json;
+    return command::match(arguments.match);
   }
   if (app.got_subcommand("new")) return command::new_case(arguments.kind, arguments.folder);
   if (app.got_subcommand("completion")) return command::completion(arguments.shell, verbs_of(app));
@@ -284,13 +289,18 @@ void add_modal(CLI::App& app, Arguments& arguments) {
   auto& asked = arguments.modal;
   auto& options = asked.options;
   auto* modal = app.add_subcommand("modal", "identify modes from responses alone, with their standard deviations");
-  modal->add_option("record", asked.file, "measured file, or case file (YAML) with `record`")->required();
+  modal
+      ->add_option(
+          "records", asked.files,
+          "measured file, or case file (YAML) with `record`; several: set-ups whose sensors were moved, merged "
+          "by those that stay")
+      ->required();
   modal->add_option("--channel", options.channels, "identify from this channel; several times; default: all but forces")
       ->type_name("NAME")
       ->allow_extra_args(false);
   modal
       ->add_option("--reference", options.references,
-                   "correlate all channels with this one; several times; default: with all")
+                   "correlate all channels with this one, which stays in all set-ups; several times; default: with all")
       ->type_name("NAME")
       ->allow_extra_args(false);
   modal->add_option("--band", asked.band, "look for modes between two frequencies, in Hz: filters and resamples")
@@ -308,6 +318,28 @@ void add_modal(CLI::App& app, Arguments& arguments) {
   modal->add_option("--page", asked.page, "write an HTML page with the stabilisation diagram to this file")
       ->type_name("FILE");
   modal->add_flag("--json", arguments.json, "print modes, shapes and the stabilisation diagram as JSON");
+}
+
+void add_match(CLI::App& app, Arguments& arguments) {
+  auto& asked = arguments.match;
+  auto* match = app.add_subcommand("match", "find the nodes of a deck at which the sensors of a test sit");
+  match->add_option("points", asked.points, "geometry of the test: universal file, or table of name, x, y, z")
+      ->required();
+  match->add_option("model", asked.model, "deck (.inp, .bdf, .dat, .nas)")->required();
+  match->add_option("--units", asked.units, "units of the deck: length, mass and time, such as mm t s; default: SI")
+      ->type_name("LENGTH MASS TIME")
+      ->expected(3);
+  match
+      ->add_option("--length", asked.length,
+                   "unit of the test's coordinates, where its file does not state it; default: m")
+      ->type_name("UNIT");
+  match->add_flag("--scale", asked.scale, "fit a factor of the test's lengths too, within 10 %");
+  match->add_option("--noise", asked.noise, "standard deviation of a measured coordinate, in mm; default: from the fit")
+      ->type_name("MM")
+      ->check(CLI::Range(1e-6, 1e6));
+  match->add_option("--page", asked.page, "write an HTML page with the table and a picture to this file")
+      ->type_name("FILE");
+  match->add_flag("--json", arguments.json, "print the fit and the nodes as JSON");
 }
 
 void add_verbs(CLI::App& app, Arguments& arguments) {
@@ -374,6 +406,7 @@ void add_verbs(CLI::App& app, Arguments& arguments) {
   inspect->add_option("--page", arguments.page, "write an HTML page with the course of every channel to this file")
       ->type_name("FILE");
   add_modal(app, arguments);
+  add_match(app, arguments);
   auto* schema = app.add_subcommand("schema", "print the reference of the case file");
   schema->add_option("section", arguments.topic, "one section of the case file: estimate");
   schema->add_flag("--json", arguments.json, "as a JSON Schema, for editors");

@@ -26,9 +26,7 @@
 
 // A deck alone, without a case: check and modes.
 namespace kalfem::command {
-namespace {
 
-/// "mm t s": one unit of each.
 UnitSystem unit_system(const std::vector<std::string>& words) {
   if (words.empty()) return {};
   if (words.size() != 3)
@@ -36,6 +34,8 @@ UnitSystem unit_system(const std::vector<std::string>& words) {
                        "a deck needs units of length, mass and time", "write them in this order: --units mm t s");
   return {to_si("1 " + words[0], "m"), to_si("1 " + words[1], "kg"), to_si("1 " + words[2], "s")};
 }
+
+namespace {
 
 constexpr Eigen::Index modes_in_check = 16;
 

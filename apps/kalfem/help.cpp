@@ -25,6 +25,7 @@ const std::vector<Group>& groups() {
         {"check", "kalfem check my-case/case.yaml"},
         {"inspect", "kalfem inspect record.csv"},
         {"modal", "kalfem modal record.csv --band 0.5 20 --out modes"},
+        {"match", "kalfem match test.unv frame.bdf --units mm t s --page match.html"},
         {"schema", "kalfem schema estimate"}}},
       {"Run a case",
        {{"run", "kalfem run my-case/case.yaml --set estimate.smooth=true --out results"},

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "kalfem/modal/modal_options.hpp"
+#include "kalfem/model/unit_system.hpp"
 #include "kalfem/steps/run_study.hpp"
 
 namespace kalfem::command {
@@ -117,7 +118,7 @@ struct InspectArguments {
 /// inspect: what measured files hold and what is odd about their channels, as text, JSON (one array) or a page.
 ExitCode inspect(const InspectArguments& arguments);
 struct ModalArguments {
-  std::string file;  ///< a record, or a case with one
+  std::vector<std::string> files;  ///< a record, or a case with one; several: set-ups with common references
   ModalOptions options;
   std::optional<double> sample_rate = {};  ///< [Hz], where the file does not state it
   std::vector<double> band = {};           ///< [Hz]: none, or two
@@ -127,6 +128,19 @@ struct ModalArguments {
 };
 /// modal: the modes of a record alone, with their standard deviations. Not usable where there is none.
 ExitCode modal(const ModalArguments& arguments);
+struct MatchArguments {
+  std::string points, model;         ///< the test's geometry, and the deck
+  std::vector<std::string> units;    ///< of the deck: none (SI), or length, mass and time
+  std::string length = "m";          ///< unit of the test's coordinates
+  bool scale = false;                ///< fit a factor of the test's lengths
+  std::optional<double> noise = {};  ///< standard deviation of a coordinate, in mm
+  std::string page;                  ///< HTML file to write; empty: none
+  bool as_json = false;
+};
+/// match: which node of a deck each point of a test's geometry is. Not usable where a point is not sure.
+ExitCode match(const MatchArguments& arguments);
+/// "mm t s": one unit of each.
+UnitSystem unit_system(const std::vector<std::string>& words);
 /// A case for correlate: load_study() of a case with measured shapes that do not agree with any mode of the model
 /// throws, because they cannot be updated on; correlate is there to tell why they do not.
 Study load_for_correlation(const std::string& case_file, const std::vector<std::string>& changes,

@@ -31,6 +31,7 @@ void bind_formats(py::module_& module);
 void bind_infer(py::module_& module);
 void bind_laws(py::module_& module);
 void bind_likelihood(py::module_& module);
+void bind_match(py::module_& module);
 void bind_modal(py::module_& module);
 void bind_mode_sets(py::module_& module);
 void bind_run(py::module_& module);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calls.hpp"
 #include "kalfem/modal/identify_modes.hpp"
+#include "kalfem/modal/merge_setups.hpp"
 #include "records.hpp"
 #include "results.hpp"
 
@@ -89,15 +90,7 @@ py::dict diagram_of(const ModalResult& result) {
   return diagram;
 }
 
-py::dict modal(const py::object& t, const py::object& y, const std::vector<std::string>& names,
-               const std::vector<std::string>& units, const py::dict& given, const py::object& progress) {
-  ModalOptions options = options_of(given);
-  Record record = record_of(grid_of(t), y, names);
-  for (std::size_t i = 0; i < units.size(); ++i) record.channels[i].unit = units[i];
-  const auto result = LongCall(progress).run([&](const Progress& report) {
-    options.progress = report;
-    return identify_modes(record, options);
-  });
+py::dict in_python(const ModalResult& result) {
   py::list modes;
   for (const auto& mode : result.modes) modes.append(entry_of(mode));
   py::dict found;
@@ -112,11 +105,53 @@ py::dict modal(const py::object& t, const py::object& y, const std::vector<std::
   return found;
 }
 
+/// What kalfem.IdentifiedModes hold of one set-up.
+SetupModes setup_of(const py::dict& given) {
+  SetupModes setup{.name = given["name"].cast<std::string>()};
+  setup.result.channels = given["channels"].cast<std::vector<std::string>>();
+  setup.result.sample_rate = given["sample_rate"].cast<double>();
+  for (const auto& item : given["modes"].cast<py::list>()) {
+    const auto entry = item.cast<py::dict>();
+    IdentifiedMode mode;
+    mode.frequency = entry["frequency"].cast<double>();
+    mode.damping = entry["damping"].cast<double>();
+    mode.covariance = entry["covariance"].cast<Eigen::Matrix2d>();
+    mode.degrees_of_freedom = entry["degrees_of_freedom"].cast<double>();
+    mode.shape = entry["shape"].cast<Eigen::VectorXcd>();
+    mode.shape_covariance = entry["shape_covariance"].cast<Eigen::MatrixXd>();
+    mode.participation = entry["participation"].cast<double>();
+    mode.order = entry["order"].cast<int>();
+    mode.orders = entry["orders"].cast<int>();
+    setup.result.modes.push_back(std::move(mode));
+  }
+  return setup;
+}
+
+py::dict merged(const py::list& given, const std::vector<std::string>& references, double frequency, double mac) {
+  std::vector<SetupModes> setups;
+  for (const auto& item : given) setups.push_back(setup_of(item.cast<py::dict>()));
+  return in_python(merge_setups(setups, {.references = references, .frequency = frequency, .mac = mac}));
+}
+
+py::dict modal(const py::object& t, const py::object& y, const std::vector<std::string>& names,
+               const std::vector<std::string>& units, const py::dict& given, const py::object& progress) {
+  ModalOptions options = options_of(given);
+  Record record = record_of(grid_of(t), y, names);
+  for (std::size_t i = 0; i < units.size(); ++i) record.channels[i].unit = units[i];
+  const auto result = LongCall(progress).run([&](const Progress& report) {
+    options.progress = report;
+    return identify_modes(record, options);
+  });
+  return in_python(result);
+}
+
 }  // namespace
 
 void bind_modal(py::module_& module) {
   module.def("modal", &modal, py::arg("t"), py::arg("y"), py::arg("names"), py::arg("units"), py::arg("options"),
              py::arg("progress") = py::none(), "Modes of a record alone: see kalfem.modal.");
+  module.def("merge_setups", &merged, py::arg("setups"), py::arg("references"), py::arg("frequency"), py::arg("mac"),
+             "Modes of several set-ups as one: see kalfem.merge_setups.");
 }
 
 }  // namespace kalfem::python

@@ -18,6 +18,7 @@ PYBIND11_MODULE(_core, module) {
   bind_filter(module);
   bind_watch(module);
   bind_infer(module);
+  bind_match(module);
   bind_modal(module);
   bind_mode_sets(module);
   bind_place(module);

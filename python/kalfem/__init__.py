@@ -48,8 +48,9 @@ _NAMES = {
     "posterior": ("Posterior",),
     "analysis": ("estimate", "predict", "simulate", "update"),
     "comparing": ("MeasuredModes", "MeasuredResponses", "MeasuredDeflections", "MeasuredRecord"),
-    "modal_identification": ("modal", "IdentifiedMode", "IdentifiedModes"),
+    "modal_identification": ("modal", "merge_setups", "IdentifiedMode", "IdentifiedModes"),
     "mode_sets": ("read_modes", "ModeSet"),
+    "matching": ("match_points", "PointMatch", "MatchedPoint", "PlaceFit"),
     "correlating": ("correlate", "Correlation", "CorrelatedMode", "SetupMistake"),
     "placing": ("place", "Placement", "SensorSet"),
     "validating": ("validate", "Validation", "SensorValidation"),
@@ -145,6 +146,7 @@ if TYPE_CHECKING:
     from .modal_identification import (
         IdentifiedMode as IdentifiedMode,
         IdentifiedModes as IdentifiedModes,
+        merge_setups as merge_setups,
         modal as modal,
     )
     from .mode_sets import ModeSet as ModeSet, read_modes as read_modes
@@ -153,6 +155,12 @@ if TYPE_CHECKING:
         Correlation as Correlation,
         SetupMistake as SetupMistake,
         correlate as correlate,
+    )
+    from .matching import (
+        MatchedPoint as MatchedPoint,
+        PlaceFit as PlaceFit,
+        PointMatch as PointMatch,
+        match_points as match_points,
     )
     from .placing import Placement as Placement, SensorSet as SensorSet, place as place
     from .posterior import Posterior as Posterior

@@ -221,3 +221,69 @@ def modal(
         found = core.modal(t, y, names, units, options, bar)
     found["modes"] = [IdentifiedMode(**each) for each in found["modes"]]
     return IdentifiedModes(**found)
+
+
+def merge_setups(
+    setups: Sequence[IdentifiedModes] | Mapping[str, IdentifiedModes],
+    *,
+    references: Sequence[str] = (),
+    frequency: float = 0.03,
+    mac: float = 0.8,
+) -> IdentifiedModes:
+    """Merge the modes of several set-ups of a test whose sensors were moved, by those that stayed.
+
+    Each shape is brought to the common one of the references by a complex factor of its own; covariances pass through
+    this to first order. Frequencies and dampings are means weighted by their covariances, with the scatter of the
+    set-ups where it is larger.
+
+    Parameters
+    ----------
+    setups : list of IdentifiedModes, or dict by name
+        Of :func:`modal`, one a record.
+    references : list of str
+        Channels that stay; default: those that all set-ups have.
+    frequency : float
+        Largest difference of a mode between set-ups, relative.
+    mac : float
+        Least MAC of its shapes at the references.
+
+    Returns
+    -------
+    IdentifiedModes
+        The references first, then the other channels set-up by set-up; where several set-ups call them alike, behind
+        the set-up's name: ``"2:a5"``. Modes that a set-up lacks are left out, which ``remarks`` say.
+
+    Raises
+    ------
+    InvalidInput
+        With fewer than two set-ups, or without a common reference.
+
+    Examples
+    --------
+    >>> import numpy as np, kalfem as kf
+    >>> rng = np.random.default_rng(1)
+    >>> def record(others):
+    ...     z, mu = 0j, 2 * np.pi * 5 * (-0.01 + 1j)
+    ...     y = np.array([(z := np.exp(mu / 50) * z + rng.normal()).real for _ in range(20000)])
+    ...     return {name: share * y + rng.normal(size=y.size) for name, share in {"a": 1.0, **others}.items()}
+    >>> t = np.arange(20000) / 50
+    >>> found = [kf.modal(record({name: share}), t=t, progress=False) for name, share in {"b": -0.5, "c": 0.3}.items()]
+    >>> whole = kf.merge_setups(found)
+    >>> whole.channels, bool(np.allclose(whole[0].shape.real, [1, -0.5, 0.3], atol=0.02))
+    (['a', 'b', 'c'], True)
+    """
+    named = setups if isinstance(setups, Mapping) else {str(i + 1): each for i, each in enumerate(setups)}
+    fields = ("frequency", "damping", "covariance", "degrees_of_freedom", "shape", "shape_covariance")
+    counts = ("participation", "order", "orders")
+    given = [
+        {
+            "name": name,
+            "channels": list(found.channels),
+            "sample_rate": found.sample_rate,
+            "modes": [{key: getattr(mode, key) for key in fields + counts} for mode in found],
+        }
+        for name, found in named.items()
+    ]
+    merged = core.merge_setups(given, list(references), frequency, mac)
+    merged["modes"] = [IdentifiedMode(**each) for each in merged["modes"]]
+    return IdentifiedModes(**merged)
