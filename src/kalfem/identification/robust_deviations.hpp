@@ -16,8 +16,8 @@ bool innovations_contradict(const RecordEstimate& estimate, Eigen::Index first);
 /// Whether those after settling do, or the scores widen a deviation by what matters.
 bool contradicts_itself(const RecordEstimate& estimate);
 
-/// What the robust covariance of the constant unknowns has beyond the filter's, in the filter's state: a factor F of the
-/// excess F F^T, c x c; empty where the scores widen nothing by what matters.
+/// What the robust covariance of the constant unknowns has beyond the filter's, in the filter's state: a factor F of
+/// the excess F F^T, c x c; empty where the scores widen nothing by what matters.
 Eigen::MatrixXd excess_of(const RecordEstimate& estimate);
 
 /// Sets the deviations of the unknowns that hold where the model is not the truth, from their course (scores along
