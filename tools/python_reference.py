@@ -33,7 +33,7 @@ GROUPS = {
     "FrequencyResponses FrequencyResponse mac statics Statics StaticCase",
     "Sensor placement": "place Placement SensorSet",
     "Sample by sample": "Filter Estimate watch Watch",
-    "Cases and results": "run read_results Run read_case to_case Case read_mesh mesh_of plots",
+    "Cases and results": "run read_results Run compare_runs RunComparison read_case to_case Case read_mesh mesh_of plots",
     "Many runs": "sweep Sweep map Ensemble Failure",
     "Errors": "InvalidInput Issue MissingPackage UnknownName",
 }

@@ -27,6 +27,7 @@ void bind_estimate(py::module_& module);
 void bind_filter(py::module_& module);
 void bind_watch(py::module_& module);
 void bind_finite_elements(py::module_& module);
+void bind_finished_runs(py::module_& module);
 void bind_formats(py::module_& module);
 void bind_infer(py::module_& module);
 void bind_laws(py::module_& module);

@@ -28,6 +28,7 @@ PYBIND11_MODULE(_core, module) {
   bind_formats(module);
   bind_likelihood(module);
   bind_run(module);
+  bind_finished_runs(module);
   bind_analysis(module);
   bind_sweep(module);
   bind_command(module);

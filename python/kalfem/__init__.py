@@ -60,6 +60,7 @@ _NAMES = {
     "watching": ("watch", "Watch"),
     "law_library": ("laws",),
     "running": ("run",),
+    "finished_runs": ("compare_runs", "RunComparison"),
     "cases": ("read_case", "to_case", "Case"),
     "sweeping": ("sweep", "Sweep"),
     "likelihood": ("Likelihood",),
@@ -136,6 +137,7 @@ if TYPE_CHECKING:
         MissingPackage as MissingPackage,
         UnknownName as UnknownName,
     )
+    from .finished_runs import RunComparison as RunComparison, compare_runs as compare_runs
     from .inferring import ComparedStructure as ComparedStructure, compare as compare, infer as infer
     from .law_library import laws as laws
     from .likelihood import Likelihood as Likelihood

@@ -189,6 +189,12 @@ std::vector<Table> comparison_tables(const RunComparison& comparison) {
   return tables;
 }
 
+std::string comparison_text(const RunComparison& comparison) {
+  std::string text;
+  for (const auto& table : comparison_tables(comparison)) text += table.title + "\n" + to_text(table) + "\n";
+  return comparison.differences.empty() ? text : text + comparison.differences + "\n";
+}
+
 Json comparison_json(const RunComparison& comparison) {
   Json json{{"runs", Json::array()}, {"parameters", Json::object()}};
   for (std::size_t i = 0; i < comparison.runs.size(); ++i) json["runs"].push_back(run_json(comparison, i));

@@ -14,6 +14,9 @@ namespace kalfem {
 /// without rows are left out.
 std::vector<Table> comparison_tables(const RunComparison& comparison);
 
+/// The tables as the command prints them, and a sentence where the cases differ.
+std::string comparison_text(const RunComparison& comparison);
+
 /// Every reason of every verdict.
 Table verdict_table(const RunComparison& comparison);
 

@@ -107,6 +107,10 @@ std::vector<std::string> warnings_of(const std::vector<FinishedRun>& runs, const
 }  // namespace
 
 RunComparison compare_runs(const std::vector<fs::path>& folders) {
+  if (folders.size() < 2)
+    throw InvalidInput(fmt::format("compare: {} given", folders.empty() ? "no folder" : "one folder"),
+                       "a comparison needs at least two",
+                       "give the folders of two or more runs; `kalfem report` shows a single one");
   RunComparison comparison;
   IssueList issues;
   for (const auto& folder : folders) try {

@@ -16,8 +16,8 @@ struct RunComparison {
   std::vector<std::string> warnings;  ///< where the runs do not rest on the same data or the same truth
 };
 
-/// Reads the results in two or more folders and looks for what keeps them from being compared. Throws InvalidInput with
-/// every folder that cannot be read, see read_finished_run().
+/// Reads the results in two or more folders and looks for what keeps them from being compared. Throws InvalidInput
+/// where there are fewer than two, and with every folder that cannot be read, see read_finished_run().
 RunComparison compare_runs(const std::vector<std::filesystem::path>& folders);
 
 /// One parameter in all runs.

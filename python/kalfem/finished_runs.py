@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Finished runs side by side."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from .compiled import core
+
+
+def compare_runs(folders: Sequence[str | Path]) -> RunComparison:
+    """Compare finished runs as `kalfem compare` does: filters, sensor sets or records beside each other.
+
+    Parameters
+    ----------
+    folders : sequence of paths
+        Of two or more runs, by the command or by ``kf.run(case, out=folder)``. The others are compared with the first.
+
+    Returns
+    -------
+    RunComparison
+        ``print(found)`` shows the tables of the command; ``found.summary`` has their numbers, ``found.warnings`` what
+        keeps the runs from being compared.
+
+    Raises
+    ------
+    InvalidInput
+        With every folder that holds no results, or where fewer than two are given.
+    """
+    one = isinstance(folders, (str, os.PathLike))
+    return RunComparison(core.compare_runs([os.fspath(folder) for folder in ([folders] if one else folders)]))
+
+
+class RunComparison:
+    """Finished runs side by side. As text it is what `kalfem compare` prints.
+
+    Attributes
+    ----------
+    summary : dict
+        What `kalfem compare --json` prints: numbers in SI units, None for what a run does not have.
+    warnings : list of str
+        Where the runs do not rest on the same data or the same truth; empty if they do.
+    """
+
+    def __init__(self, compared):
+        self._compared = compared
+        self.summary: dict[str, Any] = json.loads(compared.summary)
+        self.warnings: list[str] = compared.warnings
+
+    def __repr__(self):
+        return str(self._compared)
+
+    def report(self, path: str | Path) -> None:
+        """Write the page of ``kalfem compare --page``: the tables, the identified laws, the parameters over time."""
+        self._compared.write_page(os.fspath(path))
