@@ -28,7 +28,7 @@ GROUPS = {
     "Records": "read Record MeasuredFile TimeSeries",
     "Simulation and identification": "simulate estimate predict validate Validation SensorValidation",
     "Updating": "update MeasuredModes MeasuredResponses MeasuredDeflections MeasuredRecord",
-    "Posteriors": "infer Posterior compare ComparedStructure Likelihood",
+    "Posteriors": "infer Posterior mixture Mixture compare ComparedStructure Likelihood",
     "Modes, frequency responses, statics": "modal merge_setups IdentifiedMode IdentifiedModes read_modes ModeSet match_points PointMatch MatchedPoint PlaceFit correlate Correlation CorrelatedMode SetupMistake modes Modes frf frequency_responses "
     "FrequencyResponses FrequencyResponse mac statics Statics StaticCase",
     "Sensor placement": "place Placement SensorSet",
