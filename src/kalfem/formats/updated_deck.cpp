@@ -14,8 +14,7 @@
 #include "kalfem/base/text.hpp"
 #include "kalfem/formats/abaqus.hpp"
 #include "kalfem/formats/nastran.hpp"
-#include "kalfem/formats/rewriting/abaqus_text.hpp"
-#include "kalfem/formats/rewriting/nastran_text.hpp"
+#include "kalfem/formats/rewriting/deck_text.hpp"
 #include "kalfem/formats/rewriting/region_numbers.hpp"
 #include "kalfem/formats/tables/text_table.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kalfem/formats/rewriting/abaqus_text.hpp"
+#include "kalfem/formats/rewriting/deck_text.hpp"
 
 #include <fmt/format.h>
 

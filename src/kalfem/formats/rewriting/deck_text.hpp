@@ -2,11 +2,14 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "kalfem/formats/abaqus.hpp"
+#include "kalfem/formats/nastran.hpp"
 #include "kalfem/formats/updated_deck.hpp"
 
 namespace kalfem::rewriting {
@@ -98,5 +101,13 @@ public:
 private:
   std::map<std::size_t, std::pair<std::size_t, std::string>> edits_;
 };
+
+/// The keywords of a deck of Abaqus or CalculiX that read_abaqus() accepts; `origins` as it found them.
+std::unique_ptr<DeckText> abaqus_text(const std::string& content, const std::string& source, const DeckLoader& loader,
+                                      const DeckOrigins& origins);
+
+/// The bulk data of a deck whose texts, INCLUDEs in their places, read_nastran() accepts.
+std::unique_ptr<DeckText> nastran_text(const std::string& content, const std::string& source,
+                                       const NastranIncludes& includes);
 
 }  // namespace kalfem::rewriting
