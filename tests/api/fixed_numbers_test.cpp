@@ -125,6 +125,16 @@ TEST(FixedNumbers, ARightModelIsNotBlamed) {
       EXPECT_NE(reason.code, "fixed_parameter") << reason.text;
 }
 
+/// The true damping may be 25 % above one that is 20 % of the true one below it.
+TEST(FixedNumbers, AShareMayBeMeantOfTheTrueValue) {
+  const auto result = estimated(record_of({}, 2), 1.0, {{.name = "damping", .deviation = 0.2}});
+  int stated = 0;
+  for (const auto& each : result.fixed_numbers)
+    for (std::size_t j = 0; each.group == "damping" && j < 2; ++j, ++stated)
+      EXPECT_NEAR(each.considered[j], 0.25 * std::abs(each.shift[j]), 1e-12 * each.considered[j]) << each.name;
+  EXPECT_GT(stated, 0);
+}
+
 /// What is stated is added by squares, and the verdict no longer speaks of it.
 TEST(FixedNumbers, WhatIsStatedStandsInTheIntervals) {
   const auto result = estimated(record_of({.mass = 1.01}, 2), 1.0, {{.name = "masses", .deviation = 0.01}});

@@ -40,6 +40,17 @@ VectorXd added_by_priors(const EstimationProblem& problem, const EstimationProbl
   return added;
 }
 
+/// Whether the number's deviation is stated in parts of its value, which may be meant of the held one or of the true
+/// one.
+bool is_relative(const FixedNumber& number) { return number.deviation > 0.0 && number.scale == std::abs(number.value); }
+
+/// How far the true value may lie from the held one, as a standard deviation [scale]: where the held one is 20 % of the
+/// true one below it, the true one is 25 % of the held one above it.
+double reach(const FixedNumber& number) {
+  constexpr double largest = 0.5;  // beyond it, what is stated says hardly more than the order of magnitude
+  return is_relative(number) ? number.deviation / (1.0 - std::min(number.deviation, largest)) : number.deviation;
+}
+
 /// (I + S^-1)^-1 g over the stated numbers but `without`.
 VectorXd allowed_changes(const FixedNumberStudy& study, Index without) {
   std::vector<Index> stated;
@@ -178,7 +189,7 @@ private:
     VectorXd deviation(std::ssize(stated_));
     for (Index s = 0; s < deviation.size(); ++s) {
       stated.push_back(stated_[static_cast<std::size_t>(s)].number);
-      deviation[s] = study.numbers[static_cast<std::size_t>(stated.back())].deviation;
+      deviation[s] = reach(study.numbers[static_cast<std::size_t>(stated.back())]);
     }
     if (!study.is_moved()) return deviation.asDiagonal();
     const auto scale = deviation.asDiagonal();
@@ -225,12 +236,9 @@ bool FixedNumberStudy::is_significant(Index i) const {
   return std::isfinite(expected) && std::abs(asked[i]) > limit * expected * room(i);
 }
 
-/// What is stated in parts of the held value may be meant of the true one: 20 % of it are less than of what is asked
-/// for.
+/// 20 % of the held value are less than of what is asked for.
 double FixedNumberStudy::room(Index i) const {
-  const auto& number = numbers[static_cast<std::size_t>(i)];
-  const bool relative = number.deviation > 0.0 && number.scale == std::abs(number.value);
-  return relative ? std::max(1.0, 1.0 + asked[i]) : 1.0;
+  return is_relative(numbers[static_cast<std::size_t>(i)]) ? std::max(1.0, 1.0 + asked[i]) : 1.0;
 }
 
 double FixedNumberStudy::promised_rise(Index i) const {

@@ -31,9 +31,9 @@ struct FixedNumberStudy {
   /// The rise of ln L, and of the logarithm of what is stated of the other numbers, with the asked change; not a number
   /// where confirm_asked() did not look.
   Eigen::VectorXd confirmed;
-  /// Standard deviations that the stated numbers add to the unknowns, each by itself, unknowns x numbers. Where the
-  /// estimation stands at other values than are held, they are those of the posterior (I + S^-1)^-1, by its square
-  /// root.
+  /// Standard deviations that the stated numbers add to the unknowns, each by itself, unknowns x numbers. A share s of
+  /// the held value, which may be meant of the true one, counts as s / (1 - s). Where the estimation stands at other
+  /// values than are held, they are those of the posterior (I + S^-1)^-1, by its square root.
   Eigen::MatrixXd considered;
   std::vector<std::string> failed = {};   ///< numbers beside whose value no run was possible
   std::vector<std::string> by_runs = {};  ///< numbers without a tangent, from a run beside their value
