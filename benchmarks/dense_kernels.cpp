@@ -2,7 +2,7 @@
 #include "dense_kernels.hpp"
 
 #include "blas_copy.hpp"
-#include "kalfem/base/independent.hpp"
+#include "kalfem/base/vector_loops.hpp"
 #include "kalfem/estimation/kernels/small_kernels.hpp"
 
 namespace kalfem::benchmarks {

@@ -27,7 +27,7 @@ FilterOutcome CovarianceFilter::transform(PartiallyLinearMap& map, UnscentedTran
 FilterOutcome CovarianceFilter::predict() {
   if (const auto outcome = transform(process(), process_transform_); outcome != FilterOutcome::usable) return outcome;
   estimate_.mean = process_transform_.mean();
-  estimate_.covariance = process_noise();
+  copy(process_noise(), estimate_.covariance);
   process_transform_.add_covariance(process(), estimate_.covariance);
   return FilterOutcome::usable;
 }

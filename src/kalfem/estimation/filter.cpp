@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "kalfem/base/independent.hpp"
+#include "kalfem/base/vector_loops.hpp"
 #include "kalfem/estimation/covariance_filter.hpp"
 #include "kalfem/estimation/partially_linear/partially_linear_filter.hpp"
 #include "kalfem/estimation/square_root_filter.hpp"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "kalfem/base/independent.hpp"
+#include "kalfem/base/vector_loops.hpp"
 
 namespace kalfem {
 

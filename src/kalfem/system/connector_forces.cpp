@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "kalfem/base/independent.hpp"
+#include "kalfem/base/vector_loops.hpp"
 #include "kalfem/system/force_correction.hpp"
 
 namespace kalfem {

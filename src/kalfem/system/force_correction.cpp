@@ -6,6 +6,8 @@
 #include <cstring>
 #include <limits>
 
+#include "kalfem/base/vector_loops.hpp"
+
 namespace kalfem {
 
 using Eigen::ArrayXXd;
@@ -162,32 +164,32 @@ template <int width>
 using Block = typename BlockOf<width>::type;
 
 template <int width>
-Block<width> read(const double* values) {
+KALFEM_INLINE inline Block<width> read(const double* values) {
   Block<width> block;
   std::memcpy(&block, values, sizeof block);  // columns need not stand on a register's boundary
   return block;
 }
 template <int width>
-void write(double* values, const Block<width>& block) {
+KALFEM_INLINE inline void write(double* values, const Block<width>& block) {
   std::memcpy(values, &block, sizeof block);
 }
 template <int width>
-Block<width> magnitude(const Block<width>& block) {
+KALFEM_INLINE inline Block<width> magnitude(const Block<width>& block) {
   using Bits = typename BlockOf<width>::bits;
   return (Block<width>)((Bits)block & std::numeric_limits<std::int64_t>::max());  // without the signs
 }
 /// The larger one; `b` where one of the two is not a number.
 template <int width>
-Block<width> larger(const Block<width>& a, const Block<width>& b) {
+KALFEM_INLINE inline Block<width> larger(const Block<width>& a, const Block<width>& b) {
   return a > b ? a : b;
 }
 /// What is above zero of it, or not a number.
 template <int width>
-Block<width> above_zero(const Block<width>& block) {
+KALFEM_INLINE inline Block<width> above_zero(const Block<width>& block) {
   return larger<width>(Block<width>{}, block);
 }
 template <int width>
-double sum_of(const Block<width>& block) {
+KALFEM_INLINE inline double sum_of(const Block<width>& block) {
   Lanes<width> lanes;
   write<width>(lanes.data(), block);
   return lanes.sum();
@@ -196,15 +198,15 @@ double sum_of(const Block<width>& block) {
 /// An array of blocks: in registers where its size is known.
 template <int count, int width>
 struct BlockArray {
-  explicit BlockArray(double* /*storage*/) {}
-  Block<width>& operator[](Index i) { return values[static_cast<std::size_t>(i)]; }
+  KALFEM_INLINE explicit BlockArray(double* /*storage*/) {}
+  KALFEM_INLINE Block<width>& operator[](Index i) { return values[static_cast<std::size_t>(i)]; }
   std::array<Block<width>, static_cast<std::size_t>(count)> values;
 };
 
 template <int width>
 struct BlockArray<Dynamic, width> {
-  explicit BlockArray(double* storage) : values(storage) {}
-  Block<width>& operator[](Index i) { return *reinterpret_cast<Block<width>*>(values + width * i); }
+  KALFEM_INLINE explicit BlockArray(double* storage) : values(storage) {}
+  KALFEM_INLINE Block<width>& operator[](Index i) { return *reinterpret_cast<Block<width>*>(values + width * i); }
   double* values;
 };
 
@@ -223,17 +225,17 @@ constexpr int times(int a, int b) { return a == Dynamic || b == Dynamic ? Dynami
 template <int connectors, int width>
 class LaneSystem {
 public:
-  LaneSystem(Index size, double* storage)
+  KALFEM_INLINE LaneSystem(Index size, double* storage)
       : size_(size),
         matrix_(storage),
         right_(storage + size * size * width),
         scale_(storage + size * (size + 1) * width) {}
 
-  [[nodiscard]] Index size() const { return connectors == Dynamic ? size_ : connectors; }
+  [[nodiscard]] KALFEM_INLINE Index size() const { return connectors == Dynamic ? size_ : connectors; }
   /// The right-hand side: residuals, then corrections, then corrected forces.
-  decltype(auto) right(Index i) { return right_[i]; }
+  KALFEM_INLINE decltype(auto) right(Index i) { return right_[i]; }
 
-  void assemble(const ForceIterate& at, Index first) {
+  KALFEM_INLINE void assemble(const ForceIterate& at, Index first) {
     const Index m = size(), rows = at.rows;
     const double *H = at.compliance, *tangents = at.tangents + first;
 #pragma GCC unroll 4
@@ -255,7 +257,7 @@ public:
   }
 
   /// Solves in place; false when some pivot is too small to go without row exchanges.
-  [[nodiscard]] bool eliminate() {
+  [[nodiscard]] KALFEM_INLINE bool eliminate() {
     const Index m = size();
     Block<width> weakness = {};
 #pragma GCC unroll 4
@@ -282,7 +284,7 @@ public:
   }
 
 private:
-  decltype(auto) entry_(Index i, Index k) { return matrix_[i * size() + k]; }
+  KALFEM_INLINE decltype(auto) entry_(Index i, Index k) { return matrix_[i * size() + k]; }
 
   Index size_;
   BlockArray<times(connectors, connectors), width> matrix_;
@@ -291,7 +293,7 @@ private:
 
 /// Columns of k_free + H f from `column` up to `end`; force(k) is f_k at the block.
 template <int connectors, int width, class Force>
-void move_block(const ForceIterate& at, const Force& force, Index first, Index column, Index end) {
+KALFEM_INLINE inline void move_block(const ForceIterate& at, const Force& force, Index first, Index column, Index end) {
   const Index m = connectors == Dynamic ? at.connectors : connectors, rows = at.rows;
 #pragma GCC unroll 12
   for (Index i = column; i < end; ++i) {
@@ -306,7 +308,7 @@ void move_block(const ForceIterate& at, const Force& force, Index first, Index c
 template <int width>
 struct Excess {
   Block<width> growth = {}, correction = {};
-  [[nodiscard]] CorrectionJudgement judge() const {
+  [[nodiscard]] KALFEM_INLINE CorrectionJudgement judge() const {
     return {sum_of<width>(growth) > 0.0, !(sum_of<width>(correction) > 0.0)};
   }
 };
@@ -316,22 +318,31 @@ struct Excess {
 template <int connectors, int width>
 struct ForceCorrection::Kernels {
   static void move(const ForceIterate& iterate, Index column, Index end) {
+    in_widest_registers([&]() KALFEM_INLINE { move_points(iterate, column, end); });
+  }
+
+  static CorrectionJudgement correct(const ForceIterate& iterate, ForceCorrection& self) {
+    return in_widest_registers([&]() KALFEM_INLINE { return correct_points(iterate, self); });
+  }
+
+private:
+  KALFEM_INLINE static void move_points(const ForceIterate& iterate, Index column, Index end) {
     const ForceIterate at = iterate;  // a copy of its own cannot alias the outputs
     for (Index first = 0; first < at.rows; first += width) {
       if constexpr (connectors == Dynamic) {
-        const auto force = [&](Index k) { return read<width>(at.force + first + k * at.rows); };
+        const auto force = [&](Index k) KALFEM_INLINE { return read<width>(at.force + first + k * at.rows); };
         move_block<connectors, width>(at, force, first, column, end);
       } else {
         std::array<Block<width>, connectors> forces;
         for (std::size_t k = 0; k < connectors; ++k)
           forces[k] = read<width>(at.force + first + static_cast<Index>(k) * at.rows);
-        const auto force = [&](Index k) -> const auto& { return forces[static_cast<std::size_t>(k)]; };
+        const auto force = [&](Index k) KALFEM_INLINE -> const auto& { return forces[static_cast<std::size_t>(k)]; };
         move_block<connectors, width>(at, force, first, column, end);
       }
     }
   }
 
-  static CorrectionJudgement correct(const ForceIterate& iterate, ForceCorrection& self) {
+  KALFEM_INLINE static CorrectionJudgement correct_points(const ForceIterate& iterate, ForceCorrection& self) {
     const ForceIterate at = iterate;  // a copy of its own cannot alias the outputs
     LaneSystem<connectors, width> system(at.connectors, self.lane_storage_.data());
     Excess<width> excess;
@@ -341,7 +352,7 @@ struct ForceCorrection::Kernels {
       if (!system.eliminate()) [[unlikely]]
         exchange_rows(iterate, first, system, self);
       apply_corrections(at, first, system, excess);
-      const auto force = [&](Index k) -> decltype(auto) { return system.right(k); };
+      const auto force = [&](Index k) KALFEM_INLINE -> decltype(auto) { return system.right(k); };
       const Index m = system.size();
       move_block<connectors, width>(at, force, first, 0, 2 * m);
       if (at.uses_acceleration) move_block<connectors, width>(at, force, first, 2 * m, 3 * m);
@@ -349,9 +360,8 @@ struct ForceCorrection::Kernels {
     return excess.judge();
   }
 
-private:
-  static void keep_residuals(const ForceIterate& at, Index first, LaneSystem<connectors, width>& system,
-                             Excess<width>& excess) {
+  KALFEM_INLINE static void keep_residuals(const ForceIterate& at, Index first, LaneSystem<connectors, width>& system,
+                                           Excess<width>& excess) {
     const Index m = system.size();
 #pragma GCC unroll 4
     for (Index j = 0; j < m; ++j) {
@@ -364,8 +374,8 @@ private:
     }
   }
 
-  static void apply_corrections(const ForceIterate& at, Index first, LaneSystem<connectors, width>& system,
-                                Excess<width>& excess) {
+  KALFEM_INLINE static void apply_corrections(const ForceIterate& at, Index first,
+                                              LaneSystem<connectors, width>& system, Excess<width>& excess) {
     const Index m = system.size();
 #pragma GCC unroll 4
     for (Index j = 0; j < m; ++j) {

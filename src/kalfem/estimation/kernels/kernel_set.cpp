@@ -3,11 +3,8 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <cstdlib>
-#include <string>
-#include <string_view>
 
-#include "kalfem/base/invalid_input.hpp"
+#include "kalfem/base/vector_loops.hpp"
 
 namespace kalfem {
 
@@ -23,62 +20,13 @@ extern const KernelSet set;
 }
 #endif
 
-namespace {
-
-/// From the narrowest to the widest, with whether this processor has what it needs.
-struct AvailableSet {
-  const KernelSet* set;
-  bool runs_here;
-};
-
-#if defined(KALFEM_WIDE_KERNELS)
-bool has_avx2() {
-  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") &&
-         __builtin_cpu_supports("bmi2");
-}
-bool has_avx512() {
-  return has_avx2() && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512cd") &&
-         __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
-}
-const auto& all_sets() {
-  static const std::array sets = {AvailableSet{&baseline::set, true}, AvailableSet{&avx2::set, has_avx2()},
-                                  AvailableSet{&avx512::set, has_avx512()}};
-  return sets;
-}
-#else
-const auto& all_sets() {
-  static const std::array sets = {AvailableSet{&baseline::set, true}};
-  return sets;
-}
-#endif
-
-const KernelSet& chosen() {
-  const char* wanted = std::getenv("KALFEM_CPU");
-  if (wanted != nullptr && *wanted != '\0') {
-    if (const KernelSet* set = kernel_set(wanted)) return *set;
-    std::string names;
-    for (const auto& [set, runs_here] : all_sets())
-      if (runs_here) names += (names.empty() ? "" : ", ") + std::string(set->name);
-    throw InvalidInput("the environment variable KALFEM_CPU is '" + std::string(wanted) + "'",
-                       "it names the filter's kernels, and this processor runs " + names,
-                       "give one of these, or unset it");
-  }
-  const KernelSet* widest = nullptr;
-  for (const auto& [set, runs_here] : all_sets())
-    if (runs_here) widest = set;
-  return *widest;
-}
-
-}  // namespace
-
-const KernelSet* kernel_set(const char* name) {
-  for (const auto& [set, runs_here] : all_sets())
-    if (runs_here && std::string_view(name) == set->name) return set;
-  return nullptr;
-}
-
 const KernelSet& kernels() {
-  static const KernelSet& set = chosen();
+#if defined(KALFEM_WIDE_KERNELS)
+  static constexpr std::array sets = {&baseline::set, &avx2::set, &avx512::set};  // in the order of VectorWidth
+  static const KernelSet& set = *sets[static_cast<std::size_t>(vector_width())];
+#else
+  static const KernelSet& set = baseline::set;
+#endif
   return set;
 }
 

@@ -74,12 +74,8 @@ struct KernelSet {
   void (*pass_over)(const TilePass& pass);
 };
 
-/// Those of this processor with the widest registers, or those that the environment variable KALFEM_CPU names:
-/// "baseline", "avx2", "avx512". Throws InvalidInput where it names others, or what this processor does not have.
+/// Those of the width of vector registers that the program runs with, see vector_width().
 const KernelSet& kernels();
-
-/// The set of that name; null where there is none, or this processor does not have what it needs.
-const KernelSet* kernel_set(const char* name);
 
 /// Storage of the calling thread for at least `size` numbers, which stays, so that only a growing size allocates:
 /// `which` is 0 or 1.

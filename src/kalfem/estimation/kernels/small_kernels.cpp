@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kalfem/estimation/kernels/small_kernels.hpp"
 
+#include <algorithm>
+
 #include "kalfem/estimation/kernels/kernel_set.hpp"
 
 namespace kalfem {
@@ -18,6 +20,11 @@ void product(Keep keep, Shape shape, const MatrixXd& a, KernelMatrix b, MatrixXd
 }
 
 }  // namespace
+
+void copy(const MatrixXd& a, MatrixXd& b) {
+  b.resize(a.rows(), a.cols());
+  std::copy_n(a.data(), a.size(), b.data());
+}
 
 void multiply(const MatrixXd& a, const MatrixXd& b, MatrixXd& out) {
   out.resize(a.rows(), b.cols());
@@ -48,7 +55,7 @@ void subtract_square(const MatrixXd& a, MatrixXd& out) {
 
 bool cholesky(const MatrixXd& p, double pivot_floor, MatrixXd& lower) {
   const Index n = p.rows();
-  lower = p;
+  copy(p, lower);
   const bool usable = kernels().cholesky(n, pivot_floor, p.data(), n + 1, lower.data());
   for (Index j = 1; j < n; ++j)
     for (Index i = 0; i < j; ++i) lower(i, j) = 0.0;

@@ -10,6 +10,8 @@ namespace kalfem {
 // factors are copied in the order in which the tiles read them. One thread. Arrays are contiguous. Nothing is allocated
 // but results that change their size and, at the first call of a size, the calling thread's copies.
 
+/// B = A by the widest registers, as the kernels read it: a narrow store delays a wide load of the same bytes.
+void copy(const Eigen::MatrixXd& a, Eigen::MatrixXd& b);
 /// out = A B.
 void multiply(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, Eigen::MatrixXd& out);
 /// out = A L with L lower triangular, its zeros included: half the work.

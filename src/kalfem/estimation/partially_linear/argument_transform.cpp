@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "kalfem/base/independent.hpp"
+#include "kalfem/base/vector_loops.hpp"
 
 namespace kalfem {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kalfem/estimation/partially_linear/partially_linear_filter.hpp"
 
-#include "kalfem/base/independent.hpp"
+#include "kalfem/base/vector_loops.hpp"
 #include "kalfem/estimation/kernels/small_kernels.hpp"
 #include "kalfem/estimation/kernels/thin_kernels.hpp"
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 
+#include "kalfem/base/vector_loops.hpp"
 #include "kalfem/system/laws/expression_kernels.hpp"
 #include "kalfem/system/laws/expression_lanes.hpp"
 
@@ -23,36 +24,47 @@ template <class Compute, class... Columns>
       });
 }
 
-// Kernels call each other in the order of the instructions, so that each has its own jump to the next one.
+/// The kernel that does `work` on the columns of an instruction, in registers of the width that the program runs with.
+/// Kernels call each other in the order of the instructions, so that each has its own jump to the next one.
+template <class Work>
+TapeKernel kernel_for(Work) {
+#if defined(KALFEM_WIDE_LOOPS)
+  constexpr TapeKernel wide = [](const Instruction* at, double* const* table, std::ptrdiff_t count) KALFEM_AVX2 {
+    Work{}(*at, table, count);
+    at[1].kernel(at + 1, table, count);
+  };
+  if (loops_are_wide()) return wide;
+#endif
+  return [](const Instruction* at, double* const* table, std::ptrdiff_t count) {
+    Work{}(*at, table, count);
+    at[1].kernel(at + 1, table, count);
+  };
+}
+
 // Captureless lambdas become kernels by their number of operands.
 template <class Compute>
-constexpr TapeKernel unary(Compute) {
-  return [](const Instruction* at, double* const* table, std::ptrdiff_t count) {
-    for_all(Compute{}, count, column(table, at->out), column(table, at->a));
-    at[1].kernel(at + 1, table, count);
-  };
+TapeKernel unary(Compute) {
+  return kernel_for([](const Instruction& at, double* const* table, std::ptrdiff_t count)
+                        KALFEM_INLINE { for_all(Compute{}, count, column(table, at.out), column(table, at.a)); });
 }
 template <class Compute>
-constexpr TapeKernel binary(Compute) {
-  return [](const Instruction* at, double* const* table, std::ptrdiff_t count) {
-    for_all(Compute{}, count, column(table, at->out), column(table, at->a), column(table, at->b));
-    at[1].kernel(at + 1, table, count);
-  };
+TapeKernel binary(Compute) {
+  return kernel_for([](const Instruction& at, double* const* table, std::ptrdiff_t count) KALFEM_INLINE {
+    for_all(Compute{}, count, column(table, at.out), column(table, at.a), column(table, at.b));
+  });
 }
 template <class Compute>
-constexpr TapeKernel ternary(Compute) {
-  return [](const Instruction* at, double* const* table, std::ptrdiff_t count) {
-    for_all(Compute{}, count, column(table, at->out), column(table, at->a), column(table, at->b), column(table, at->c));
-    at[1].kernel(at + 1, table, count);
-  };
+TapeKernel ternary(Compute) {
+  return kernel_for([](const Instruction& at, double* const* table, std::ptrdiff_t count) KALFEM_INLINE {
+    for_all(Compute{}, count, column(table, at.out), column(table, at.a), column(table, at.b), column(table, at.c));
+  });
 }
 template <class Compute>
-constexpr TapeKernel quaternary(Compute) {
-  return [](const Instruction* at, double* const* table, std::ptrdiff_t count) {
-    for_all(Compute{}, count, column(table, at->out), column(table, at->a), column(table, at->b), column(table, at->c),
-            column(table, at->d));
-    at[1].kernel(at + 1, table, count);
-  };
+TapeKernel quaternary(Compute) {
+  return kernel_for([](const Instruction& at, double* const* table, std::ptrdiff_t count) KALFEM_INLINE {
+    for_all(Compute{}, count, column(table, at.out), column(table, at.a), column(table, at.b), column(table, at.c),
+            column(table, at.d));
+  });
 }
 
 }  // namespace kalfem

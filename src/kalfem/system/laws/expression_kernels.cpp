@@ -27,7 +27,7 @@ constexpr TapeKernel pointwise(Function) {
 
 /// A comparison, which chooses between `yes` = 1 and `no` = 0.
 template <class Comparison>
-constexpr TapeKernel truth(Comparison) {
+TapeKernel truth(Comparison) {
   return binary([](auto& y, const auto& a, const auto& b) {
     const std::decay_t<decltype(y)> no{}, yes = no + 1.0;
     Comparison{}(y, a, b, yes, no);
@@ -58,7 +58,7 @@ template <class Points>
 }
 
 void whole_power(double* out, const double* a, int exponent, double factor, Count count) {
-  const auto by = [&](auto compute) { for_all(compute, count, out, a); };
+  const auto by = [&](auto compute) { in_widest_registers([&]() KALFEM_INLINE { for_all(compute, count, out, a); }); };
   switch (exponent) {
     case 0:
       return by([=](auto& y, const auto&) { y = std::decay_t<decltype(y)>{} + factor; });

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstring>
 
+#include "kalfem/base/vector_loops.hpp"
+
 namespace kalfem {
 
 /// Neighbouring points in a vector register, or in several smaller ones.
@@ -42,6 +44,12 @@ template <class Work>
     i += 2;
   }
   if ((count & 1) != 0) work.template operator()<double>(i);
+}
+
+/// The same in registers of the width that the program runs with; the work is marked KALFEM_INLINE.
+template <class Work>
+void in_widest_blocks(std::ptrdiff_t count, const Work& work) {
+  in_widest_registers([&]() KALFEM_INLINE { in_blocks(count, work); });
 }
 
 }  // namespace kalfem

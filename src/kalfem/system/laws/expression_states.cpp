@@ -121,7 +121,7 @@ void StateIntegration::solve_stage(double step) {
 void StateIntegration::evaluate(double step, const StateColumns& s, const StateColumns& norm) {
   set_states(s);
   run(at_.rates, table_, count_);
-  in_blocks(rows_, [&]<class Points>(Index k) {
+  in_widest_blocks(rows_, [&]<class Points>(Index k) KALFEM_INLINE {
     Points sum{};
     for (std::size_t i = 0; i < states_; ++i) {
       const Points residual = Block<Points>(s[i] + k).value - Block<Points>(memory_.base[i] + k).value -
@@ -142,7 +142,7 @@ void StateIntegration::correct(double step) {
 /// Marks the points that have ended and moves the trial states of the others. True: all have.
 bool StateIntegration::find_ended() {
   const bool linear = at_.linear;
-  in_blocks(rows_, [&]<class Points>(Index k) {
+  in_widest_blocks(rows_, [&]<class Points>(Index k) KALFEM_INLINE {
     const Points no{}, yes = no + 1.0;
     Points ended = yes;
     for (std::size_t i = 0; i < states_; ++i) {
@@ -220,7 +220,7 @@ void StateIntegration::take_tangents(double step, const StateColumns* before, do
 template <std::size_t sides>
 void StateIntegration::divide(double step, const StateColumns& right) {
   const double* by_state = column(table_, at_.by_state.front());
-  in_blocks(rows_, [&]<class Points>(Index first) {
+  in_widest_blocks(rows_, [&]<class Points>(Index first) KALFEM_INLINE {
     const Points slope = Block<Points>(by_state + first).value, inverse = 1.0 / (1.0 - step * slope);
     for (std::size_t side = 0; side < sides; ++side) {
       const Points x = Block<Points>(right[side] + first).value * inverse;
@@ -236,9 +236,9 @@ void StateIntegration::solve(double step, const StateColumns& right) {
   constexpr double least_pivot = 1e-3;
   const std::size_t n = states_;
   if (n == 1) return divide<sides>(step, right);
-  in_blocks(rows_, [&]<class Points>(Index first) {
+  in_widest_blocks(rows_, [&]<class Points>(Index first) KALFEM_INLINE {
     const Points zero{}, one = zero + 1.0;
-    const auto magnitude = [&](const Points& x, Points& out) { out = x < zero ? -x : x; };
+    const auto magnitude = [&](const Points& x, Points& out) KALFEM_INLINE { out = x < zero ? -x : x; };
     std::array<std::array<Points, most_states>, most_states> m;
     std::array<std::array<Points, most_states>, sides> x;
     for (std::size_t i = 0; i < n; ++i) {

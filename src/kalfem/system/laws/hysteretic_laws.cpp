@@ -11,7 +11,7 @@ namespace {
 
 /// Return map of an elastic spring of stiffness k_stick in series with a slider of strength f_slip. At an instant
 /// (duration 0) the force is still bounded, while the slip stays.
-KernelOutput<1> stick_slip(double k_stick, double f_slip, double d, double slip, double duration) {
+KALFEM_INLINE inline KernelOutput<1> stick_slip(double k_stick, double f_slip, double d, double slip, double duration) {
   const double trial = k_stick * (d - slip);
   const double strength = f_slip > 0.0 ? f_slip : 0.0;
   const double bounded = trial > strength ? strength : (trial < -strength ? -strength : trial);
@@ -26,7 +26,7 @@ KernelOutput<1> stick_slip(double k_stick, double f_slip, double d, double slip,
 struct JenkinsKernel {
   static constexpr std::size_t parameter_count = 4, state_count = 1;
 
-  KernelOutput<1> operator()(const KernelInput<4, 1>& in) const {
+  KALFEM_INLINE KernelOutput<1> operator()(const KernelInput<4, 1>& in) const {
     const auto [k_stick, f_slip, k, c] = in.p;
     KernelOutput<1> out = stick_slip(k_stick, f_slip, in.d, in.s[0], in.duration);
     out.force += k * in.d + c * in.v;
@@ -39,7 +39,7 @@ struct JenkinsKernel {
 struct BilinearKernel {
   static constexpr std::size_t parameter_count = 4, state_count = 1;
 
-  KernelOutput<1> operator()(const KernelInput<4, 1>& in) const {
+  KALFEM_INLINE KernelOutput<1> operator()(const KernelInput<4, 1>& in) const {
     const auto [k, f_y, alpha, c] = in.p;
     KernelOutput<1> out = stick_slip((1.0 - alpha) * k, (1.0 - alpha) * f_y, in.d, in.s[0], in.duration);
     out.force += alpha * k * in.d + c * in.v;
@@ -148,7 +148,7 @@ struct BoucWenKernel {
   static constexpr std::size_t parameter_count = 7, state_count = 1;
   static constexpr bool has_branches = true;
 
-  KernelOutput<1> operator()(const KernelInput<7, 1>& in) const {
+  KALFEM_INLINE KernelOutput<1> operator()(const KernelInput<7, 1>& in) const {
     const double k = in.p[0], alpha = in.p[1], c = in.p[6];
     const Dual z = in.duration == 0.0 ? Dual{in.s[0], 0.0} : advance(in);
     return {.force = alpha * k * in.d + (1.0 - alpha) * k * z.value + c * in.v,

@@ -21,7 +21,7 @@ struct IwanKernel {
   static constexpr std::size_t parameter_count = 6, state_count = sliders + 1;
   static constexpr bool has_branches = true;
 
-  KernelOutput<state_count> operator()(const KernelInput<6, state_count>& in) const {
+  KALFEM_INLINE KernelOutput<state_count> operator()(const KernelInput<6, state_count>& in) const {
     const auto [f_s, k_t, stated_chi, beta, k, c] = in.p;
     const double chi = std::max(stated_chi, -0.99);  // no density has less, a sigma point may
     const double share = (chi + 1.0) / (chi + 2.0), macroslip = f_s * (1.0 + beta) / (k_t * (beta + share));

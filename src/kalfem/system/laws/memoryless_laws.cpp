@@ -16,7 +16,7 @@ namespace {
 struct LinearKernel {
   static constexpr std::size_t parameter_count = 2, state_count = 0;
 
-  KernelOutput<> operator()(const KernelInput<2>& in) const {
+  KALFEM_INLINE KernelOutput<> operator()(const KernelInput<2>& in) const {
     const auto [k, c] = in.p;
     return {.force = k * in.d + c * in.v, .stiffness = k, .damping = c, .inertance = 0.0, .s = {}};
   }
@@ -26,7 +26,7 @@ struct InerterKernel {
   static constexpr std::size_t parameter_count = 1, state_count = 0;
   static constexpr bool uses_acceleration = true;
 
-  KernelOutput<> operator()(const KernelInput<1>& in) const {
+  KALFEM_INLINE KernelOutput<> operator()(const KernelInput<1>& in) const {
     const auto [b] = in.p;
     return {.force = b * in.a, .stiffness = 0.0, .damping = 0.0, .inertance = b, .s = {}};
   }
@@ -35,7 +35,7 @@ struct InerterKernel {
 struct PreloadKernel {
   static constexpr std::size_t parameter_count = 1, state_count = 0;
 
-  KernelOutput<> operator()(const KernelInput<1>& in) const {
+  KALFEM_INLINE KernelOutput<> operator()(const KernelInput<1>& in) const {
     const auto [f0] = in.p;
     return {.force = f0, .stiffness = 0.0, .damping = 0.0, .inertance = 0.0, .s = {}};
   }
@@ -45,7 +45,7 @@ struct PreloadKernel {
 struct SignalKernel {
   static constexpr std::size_t parameter_count = 0, state_count = 0;
 
-  KernelOutput<> operator()(const KernelInput<0>& /*in*/) const {
+  KALFEM_INLINE KernelOutput<> operator()(const KernelInput<0>& /*in*/) const {
     return {.force = 0.0, .stiffness = 0.0, .damping = 0.0, .inertance = 0.0, .s = {}};
   }
 };
@@ -55,7 +55,7 @@ struct LinearChangeKernel {
   static constexpr bool uses_acceleration = true;
   LinearNominal nominal;
 
-  KernelOutput<> operator()(const KernelInput<3>& in) const {
+  KALFEM_INLINE KernelOutput<> operator()(const KernelInput<3>& in) const {
     const double k = in.p[0] - nominal.stiffness, c = in.p[1] - nominal.damping, b = in.p[2] - nominal.inertance;
     return {.force = k * in.d + c * in.v + b * in.a, .stiffness = k, .damping = c, .inertance = b, .s = {}};
   }
@@ -113,7 +113,7 @@ using Eigen::Index;
 struct CubicKernel {
   static constexpr std::size_t parameter_count = 4, state_count = 0;
 
-  KernelOutput<> operator()(const KernelInput<4>& in) const {
+  KALFEM_INLINE KernelOutput<> operator()(const KernelInput<4>& in) const {
     const auto [k, k3, c, c3] = in.p;
     const double d2 = in.d * in.d, v2 = in.v * in.v;
     return {.force = (k + k3 * d2) * in.d + (c + c3 * v2) * in.v,
@@ -129,11 +129,20 @@ void horner(const Eigen::Ref<const Eigen::ArrayXXd>& coefficients, const Eigen::
             Eigen::Ref<Eigen::ArrayXd> value, Eigen::Ref<Eigen::ArrayXd> slope) {
   value.setZero();
   slope.setZero();
-  for (Index i = coefficients.cols() - 1; i >= 0; --i) {
-    value += coefficients.col(i);
-    slope = slope * x + value;
-    value *= x;
-  }
+  const double* at = x.data();
+  double *p = value.data(), *dp = slope.data();
+  const Index count = x.size();
+  in_widest_registers([&]() KALFEM_INLINE {
+    for (Index i = coefficients.cols() - 1; i >= 0; --i) {
+      const double* coefficient = coefficients.data() + i * coefficients.outerStride();
+      KALFEM_INDEPENDENT
+      for (Index point = 0; point < count; ++point) {
+        const double sum = p[point] + coefficient[point];
+        dp[point] = dp[point] * at[point] + sum;
+        p[point] = sum * at[point];
+      }
+    }
+  });
 }
 
 // Parameters are the coefficients of d, d^2, ... and then of v, v^2, ...; all points are evaluated together, degree by
@@ -200,7 +209,7 @@ namespace {
 struct SaturatingKernel {
   static constexpr std::size_t parameter_count = 6, state_count = 0;
 
-  KernelOutput<> operator()(const KernelInput<6>& in) const {
+  KALFEM_INLINE KernelOutput<> operator()(const KernelInput<6>& in) const {
     const auto [k, mu_k1, mu_k2, c, mu_c1, mu_c2] = in.p;
     const double share_d = 1.0 / (mu_k2 + std::abs(in.d)), share_v = 1.0 / (mu_c2 + std::abs(in.v));
     return {.force = (k + mu_k1 * share_d) * in.d + (c + mu_c1 * share_v) * in.v,
@@ -234,7 +243,7 @@ struct CoulombKernel {
   static constexpr std::size_t parameter_count = 4, state_count = 0;
   static constexpr bool has_branches = true;
 
-  KernelOutput<> operator()(const KernelInput<4>& in) const {
+  KALFEM_INLINE KernelOutput<> operator()(const KernelInput<4>& in) const {
     const auto [f_c, v_ref, k, c] = in.p;
     const double slide = std::tanh(in.v / v_ref);
     return {.force = k * in.d + c * in.v + f_c * slide,
@@ -251,7 +260,7 @@ struct StribeckKernel {
   static constexpr std::size_t parameter_count = 6, state_count = 0;
   static constexpr bool has_branches = true;
 
-  KernelOutput<> operator()(const KernelInput<6>& in) const {
+  KALFEM_INLINE KernelOutput<> operator()(const KernelInput<6>& in) const {
     const auto [f_c, f_s, v_s, v_ref, k, c] = in.p;
     const double slide = std::tanh(in.v / v_ref), slide_slope = (1.0 - slide * slide) / v_ref;
     const double ratio = in.v / v_s, excess = (f_s - f_c) * std::exp(-ratio * ratio);
@@ -292,7 +301,7 @@ namespace {
 struct GapKernel {
   static constexpr std::size_t parameter_count = 6, state_count = 0;
 
-  KernelOutput<> operator()(const KernelInput<6>& in) const {
+  KALFEM_INLINE KernelOutput<> operator()(const KernelInput<6>& in) const {
     const auto [k_stop, c_stop, gap_upper, gap_lower, k, c] = in.p;
     // The open side's overlap may be -infinity: it is replaced before it meets a stiffness, which may be zero.
     const double over = in.d - gap_upper, under = -in.d - gap_lower;
@@ -316,14 +325,14 @@ struct HuntCrossleyKernel {
   struct Push {
     double force, stiffness, damping;
   };
-  static Push push(double k_stop, double a, double overlap, double rate) {
+  KALFEM_INLINE static Push push(double k_stop, double a, double overlap, double rate) {
     // The open side's overlap may be -infinity: it is replaced before it meets a stiffness, which may be zero.
     const double loss = 1.0 + 1.5 * a * rate, touches = ((overlap > 0.0) & (loss > 0.0)) ? 1.0 : 0.0;
     const double spring = touches * k_stop * (overlap > 0.0 ? overlap : 0.0);
     return {spring * loss, touches * k_stop * loss, 1.5 * a * spring};
   }
 
-  KernelOutput<> operator()(const KernelInput<6>& in) const {
+  KALFEM_INLINE KernelOutput<> operator()(const KernelInput<6>& in) const {
     const auto [k_stop, a_stop, gap_upper, gap_lower, k, c] = in.p;
     const Push upper = push(k_stop, a_stop, in.d - gap_upper, in.v);
     const Push lower = push(k_stop, a_stop, -in.d - gap_lower, -in.v);
@@ -338,7 +347,7 @@ struct HuntCrossleyKernel {
 struct DamperKernel {
   static constexpr std::size_t parameter_count = 5, state_count = 0;
 
-  KernelOutput<> operator()(const KernelInput<5>& in) const {
+  KALFEM_INLINE KernelOutput<> operator()(const KernelInput<5>& in) const {
     const auto [c_rebound, c_compression, v_rebound, v_compression, k] = in.p;
     const bool extends = in.v > 0.0;
     const double c = extends ? c_rebound : c_compression, knee = extends ? v_rebound : v_compression;

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "kalfem/base/independent.hpp"
+#include "kalfem/base/vector_loops.hpp"
 #include "kalfem/system/connector_law.hpp"
 
 namespace kalfem {
@@ -71,12 +71,15 @@ public:
 
   void respond(const LawPoints& points, LawResponse response) const override {
     assert(points.parameters.cols() == static_cast<Eigen::Index>(P));
-    evaluate(points, response, std::make_index_sequence<P>{}, std::make_index_sequence<S>{});
+    in_widest_registers([&]() KALFEM_INLINE {
+      evaluate(points, response, std::make_index_sequence<P>{}, std::make_index_sequence<S>{});
+    });
   }
 
 private:
   template <std::size_t... j, std::size_t... m>
-  void evaluate(const LawPoints& in, LawResponse& out, std::index_sequence<j...>, std::index_sequence<m...>) const {
+  KALFEM_INLINE void evaluate(const LawPoints& in, LawResponse& out, std::index_sequence<j...>,
+                              std::index_sequence<m...>) const {
     const double* p = in.parameters.data();
     const double* s = in.begin_states.data();
     double* s_end = out.states.data();
