@@ -225,6 +225,12 @@ PresentParameter OnlineLoop::parameter(std::size_t i) const {
           .upper = interval.upper};
 }
 
+Gaussian OnlineLoop::unknown_states() const {
+  const Index first = model_->layout().unknown(), count = model_->layout().unknowns;
+  return {setup_->filter->mean().segment(first, count),
+          Eigen::MatrixXd(setup_->filter->covariance()).block(first, first, count, count)};
+}
+
 std::vector<std::string> OnlineLoop::observed() const {
   std::vector<std::string> names;
   for (const auto& each : made_.monitored) names.push_back(each.name);

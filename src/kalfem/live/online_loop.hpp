@@ -44,6 +44,9 @@ public:
   [[nodiscard]] std::vector<std::string> observed() const;
   [[nodiscard]] std::vector<PresentEstimate> observe_all();
   [[nodiscard]] PresentParameter parameter(std::size_t i) const;
+  /// The unknowns' part of the estimate, in the coordinates of the state, one row for each of unknown_options().
+  [[nodiscard]] Gaussian unknown_states() const;
+  [[nodiscard]] const std::vector<UnknownParameter>& unknown_options() const { return model_->options().unknowns; }
   [[nodiscard]] std::size_t unknowns() const { return model_->options().unknowns.size(); }
   [[nodiscard]] const std::vector<Sensor>& sensors() const { return made_.setup.sensors; }
   [[nodiscard]] bool in_physical_coordinates() const;
@@ -59,6 +62,8 @@ public:
   /// Reasons of the window, and of the sensors that are left out.
   [[nodiscard]] const Verdict& verdict() const { return verdict_; }
   [[nodiscard]] FilterCondition condition() const;
+  /// Sample at which its deviations were last widened, or at which it last began anew; -1: never.
+  [[nodiscard]] long changed() const { return changed_; }
   /// The latest events; none without gates.
   [[nodiscard]] const EventLog& log() const { return gate_.log(); }
 

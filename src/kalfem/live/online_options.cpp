@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kalfem/live/online_options.hpp"
 
+#include <cmath>
+#include <set>
 #include <string>
 
 #include "kalfem/base/invalid_input.hpp"
@@ -27,9 +29,33 @@ void check(const GateOptions& gates, IssueList& issues) {
   require("most_events", gates.most_events, 1, 1e6, "so many are kept");
 }
 
+void check(const ChangeOptions& changes, double step, IssueList& issues) {
+  const auto require = [&](const char* name, double value, double least, double most, const char* why) {
+    if (value >= least && value <= most) return;
+    issues.add({}, std::string("changes.") + name + ": " + shortest(value), why,
+               "give a number from " + shortest(least) + " to " + shortest(most));
+  };
+  require("window", changes.window, 10.0 * step, 1e8, "an estimate is formed of at least ten samples");
+  require("reference", changes.reference, 2, 1e7, "so many windows say what changes are compared with");
+  require("memory", changes.memory, 2, 1000, "a change that is not yet known began in one of so many windows");
+  require("level", changes.level, 1e-9, 1e3, "smaller changes give no alarm");
+  require("hysteresis", changes.hysteresis, 0.0, 1.0, "by this part of the level a change must fall below it");
+  require("persistence", changes.persistence, 1, 1000, "so many windows in succession must show a change");
+  require("false_alarms_every", changes.false_alarms_every, changes.window, 1e12,
+          "it is the mean time between two false alarms");
+  std::set<std::string> names;
+  for (const auto& [name, effect] : changes.covariates) {
+    if (!(effect > 0.0) || !std::isfinite(effect))
+      issues.add({}, "changes.covariates." + name + ".effect: " + shortest(effect),
+                 "it is the prior deviation of a relative change per unit", "give a number > 0");
+    if (!names.insert(name).second)
+      issues.add({}, "the covariate '" + name + "' is given twice", "", "remove one of them");
+  }
+}
+
 }  // namespace
 
-void check(const OnlineOptions& online) {
+void check(const OnlineOptions& online, double step) {
   IssueList issues;
   if (online.input_delay < 0 || online.input_delay > 1000)
     issues.add({}, "input_delay: " + std::to_string(online.input_delay) + " samples",
@@ -39,6 +65,7 @@ void check(const OnlineOptions& online) {
                "the innovations of so many samples tell whether the filter is usable",
                "give a number from 100 to 10,000,000");
   if (online.gates) check(*online.gates, issues);
+  if (online.changes) check(*online.changes, step, issues);
   issues.raise();
 }
 

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "kalfem/live/change_options.hpp"
 #include "kalfem/live/gate_options.hpp"
 
 namespace kalfem {
@@ -25,6 +26,8 @@ struct OnlineOptions {
   /// When sensors are left out and taken again. Without gates every value is taken as it comes, and the filter never
   /// doubts itself.
   std::optional<GateOptions> gates = {};
+  /// When a change of an unknown gives an alarm. Empty: none is looked for.
+  std::optional<ChangeOptions> changes = {};
 };
 
 /// When a LiveFilter goes on without what has not come.
@@ -37,7 +40,7 @@ struct LiveOptions {
   OnlineOptions filter = {};
 };
 
-/// Throws InvalidInput with every option that is out of range.
-void check(const OnlineOptions& options);
+/// Throws InvalidInput with every option that is out of range. `step`: from sample to sample [s].
+void check(const OnlineOptions& options, double step);
 
 }  // namespace kalfem

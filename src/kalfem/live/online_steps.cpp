@@ -14,9 +14,11 @@ using Eigen::VectorXd;
 
 namespace {
 
-const OnlineOptions& checked(const OnlineOptions& options) {
-  check(options);
-  return options;
+/// The problem with unknowns that may drift where changes of them are looked for.
+FilterProblem made_for(const OnlineOptions& options, FilterProblem problem) {
+  check(options, 1.0 / problem.problem->sample_rate);
+  if (options.changes) let_drift(*options.changes, problem.setup.options.unknowns);
+  return problem;
 }
 
 /// Value, rate and acceleration of input i in their rows.
@@ -36,9 +38,11 @@ void set_rows(Eigen::MatrixXd& inputs, Index i, const SignalSamples& samples) {
 OnlineSteps::OnlineSteps(FilterProblem problem, std::vector<OnlineInput> inputs, const OnlineOptions& options)
     : fingerprint_(state_fingerprint(problem, options)),
       inputs_(std::move(inputs)),
-      loop_(std::move(problem), checked(options).window, options.gates),
+      loop_(made_for(options, std::move(problem)), options.window, options.gates),
       delay_(inputs_.empty() ? 0 : options.input_delay),
-      begun_(delay_ == 0 || std::ranges::all_of(inputs_, [](const auto& each) { return each.signal != nullptr; })) {}
+      begun_(delay_ == 0 || std::ranges::all_of(inputs_, [](const auto& each) { return each.signal != nullptr; })) {
+  if (options.changes) monitor_.emplace(*options.changes, loop_.unknown_options(), loop_.step());
+}
 
 void OnlineSteps::start(const std::vector<InputSample>& inputs) {
   loop_.set_inputs(stacked(inputs));
@@ -92,6 +96,7 @@ bool OnlineSteps::update(const VectorXd& measured) {
 
 bool OnlineSteps::take(const VectorXd& measured) {
   const bool taken = loop_.update(measured);
+  if (monitor_) monitor_->after_sample(loop_);
   if (after_sample_) after_sample_();
   return taken;
 }
@@ -219,6 +224,7 @@ void OnlineSteps::transfer(auto& self, auto& archive) {
   archive(self.begun_);
   archive(self.newest_);
   archive.each(self.splines_, [&](auto& spline) { StreamedSpline::transfer(spline, archive); });
+  if (self.monitor_) ChangeMonitor::transfer(*self.monitor_, archive);
   archive.each(self.waiting_, [&](auto& each) {
     archive(each.sample);
     archive(each.measured);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kalfem/base/resumable.hpp"
+#include "kalfem/live/change_monitor.hpp"
 #include "kalfem/live/online_loop.hpp"
 #include "kalfem/live/online_options.hpp"
 #include "kalfem/system/signal.hpp"
@@ -43,6 +44,9 @@ public:
   [[nodiscard]] OnlineLoop& loop() { return loop_; }
   [[nodiscard]] const OnlineLoop& loop() const { return loop_; }
   [[nodiscard]] const std::vector<OnlineInput>& inputs() const { return inputs_; }
+  /// Of changes; null without OnlineOptions::changes.
+  [[nodiscard]] ChangeMonitor* monitor() { return monitor_ ? &*monitor_ : nullptr; }
+  [[nodiscard]] const ChangeMonitor* monitor() const { return monitor_ ? &*monitor_ : nullptr; }
 
   void keep(ArchiveWriter& archive) const override;
   void take_up(ArchiveReader& archive) override;
@@ -73,6 +77,7 @@ private:
   std::string fingerprint_;
   std::vector<OnlineInput> inputs_;
   OnlineLoop loop_;
+  std::optional<ChangeMonitor> monitor_;
   Eigen::Index delay_;
   bool begun_;                           ///< whether the filter has taken, or may take, the first sample
   long newest_ = 0;                      ///< sample of the last prediction that was asked for

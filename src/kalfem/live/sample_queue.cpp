@@ -123,7 +123,20 @@ void SampleQueue::take() {
   ++next_;
 }
 
+std::optional<std::size_t> SampleQueue::find_covariate(const std::string& name) const {
+  return steps_.monitor() ? steps_.monitor()->find(name) : std::nullopt;
+}
+
+void SampleQueue::push_covariate(std::size_t covariate, double time, double value) {
+  steps_.monitor()->add(covariate, time - options_.start, value);
+}
+
 Index SampleQueue::push(const std::string& channel, double time, const Eigen::Ref<const VectorXd>& values) {
+  if (const auto covariate = find_covariate(channel)) {
+    for (Index i = 0; i < values.size(); ++i)
+      push_covariate(*covariate, time + static_cast<double>(i) / rate_, values[i]);
+    return 0;
+  }
   const Index row = find(channel), first = sample_at(time), before = next_;
   require(row, first, values);
   for (Index i = 0; i < values.size(); ++i) add(row, first + i, values[i]);
@@ -137,6 +150,10 @@ Index SampleQueue::push(const std::string& channel, const Eigen::Ref<const Vecto
     throw InvalidInput("push: " + std::to_string(times.size()) + " times and " + std::to_string(values.size()) +
                            " values of '" + channel + "'",
                        "each value has its time", "");
+  if (const auto covariate = find_covariate(channel)) {
+    for (Index i = 0; i < values.size(); ++i) push_covariate(*covariate, times[i], values[i]);
+    return 0;
+  }
   const Index row = find(channel), before = next_;
   std::vector<Index> samples;
   for (const double time : times) samples.push_back(sample_at(time));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,9 @@ public:
   Eigen::Index push(const std::string& channel, double time, const Eigen::Ref<const Eigen::VectorXd>& values);
   Eigen::Index push(const std::string& channel, const Eigen::Ref<const Eigen::VectorXd>& times,
                     const Eigen::Ref<const Eigen::VectorXd>& values);
+  /// A value of a covariate of OnlineOptions::changes, at any time before the filter has passed its window.
+  void push_covariate(std::size_t covariate, double time, double value);
+  [[nodiscard]] std::optional<std::size_t> find_covariate(const std::string& name) const;
   Eigen::Index flush();
 
   [[nodiscard]] OnlineSteps& steps() { return steps_; }
