@@ -9,6 +9,7 @@
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/base/output_folder.hpp"
 #include "kalfem/live/state_file.hpp"
+#include "kalfem/watch/change_lines.hpp"
 #include "kalfem/watch/stream_source.hpp"
 #include "kalfem/watch/watcher.hpp"
 #include "verbs.hpp"
@@ -30,7 +31,7 @@ public:
         study_(load_study(arguments.case_file, changes_of(arguments.changes))),
         plan_(make_live_plan(study_)),
         watcher_(
-            plan_, [](const std::string& line) { print("{}\n", line); },
+            plan_, [this](MessageKind kind, const std::string& line) { say(kind, line); },
             [](const std::string& text) { print_error("{}\n", text); }) {
     for (const auto& warning : study_.warnings) print_error("warning: {}\n", warning);
   }
@@ -58,10 +59,25 @@ public:
     follow(*source);
     keep_state();  // first: to look at a filter moves its last bits
     watcher_.tell();
+    if (watcher_.monitor()) keep_changes();
     return code();
   }
 
 private:
+  void say(MessageKind kind, const std::string& line) {
+    print("{}\n", line);
+    if (kind != MessageKind::estimates && !state_file_.empty()) keep_changes();
+  }
+
+  /// The alarms and the trend by day, beside the state.
+  void keep_changes() {
+    guard_disk([&] {
+      const auto folder = state_file_.parent_path();
+      write_file_atomically(folder / "alarms.jsonl", alarm_file(*watcher_.monitor(), watcher_.origin()));
+      write_file_atomically(folder / "trend.csv", trend_table(*watcher_.monitor()));
+    });
+  }
+
   void feed(std::istream& lines) {
     for (std::string line; std::getline(lines, line);) {
       stop_if_asked();

@@ -12,31 +12,52 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// GateOptions from a dictionary of its numbers; nothing for None.
-std::optional<GateOptions> gates_of(const py::object& given) {
-  if (given.is_none()) return std::nullopt;
-  GateOptions gates;
-  const std::map<std::string, double*> numbers{{"limit", &gates.limit}, {"inflation", &gates.inflation}};
-  const std::map<std::string, int*> counts{{"warm_up", &gates.warm_up},
-                                           {"memory", &gates.memory},
-                                           {"suspend_after", &gates.suspend_after},
-                                           {"stuck", &gates.stuck},
-                                           {"patience", &gates.patience},
-                                           {"silence", &gates.silence},
-                                           {"most_events", &gates.most_events}};
-  for (const auto& [key, value] : py::reinterpret_borrow<py::dict>(given)) {
+/// Sets the numbers that a dictionary gives by name; `what` is the argument that it stands in.
+void set_numbers(const py::dict& given, const std::string& what, const std::map<std::string, double*>& numbers,
+                 const std::map<std::string, int*>& counts) {
+  for (const auto& [key, value] : given) {
     const auto name = key.cast<std::string>();
     if (const auto number = numbers.find(name); number != numbers.end()) {
       *number->second = value.cast<double>();
     } else if (const auto count = counts.find(name); count != counts.end()) {
       *count->second = value.cast<int>();
     } else {
-      std::vector<std::string> known{"limit", "inflation"};
+      std::vector<std::string> known;
+      for (const auto& each : numbers) known.push_back(each.first);
       for (const auto& each : counts) known.push_back(each.first);
-      throw InvalidInput("gates: there is no '" + name + "'" + did_you_mean(name, known), "", "");
+      throw InvalidInput(what + ": there is no '" + name + "'" + did_you_mean(name, known), "", "");
     }
   }
+}
+
+/// GateOptions from a dictionary of its numbers; nothing for None.
+std::optional<GateOptions> gates_of(const py::object& given) {
+  if (given.is_none()) return std::nullopt;
+  GateOptions gates;
+  set_numbers(given, "gates", {{"limit", &gates.limit}, {"inflation", &gates.inflation}},
+              {{"warm_up", &gates.warm_up},
+               {"memory", &gates.memory},
+               {"suspend_after", &gates.suspend_after},
+               {"stuck", &gates.stuck},
+               {"patience", &gates.patience},
+               {"silence", &gates.silence},
+               {"most_events", &gates.most_events}});
   return gates;
+}
+
+/// ChangeOptions from a dictionary of its numbers, with the effect of each covariate by its name; nothing for None.
+std::optional<ChangeOptions> changes_of(const py::object& given, const py::dict& covariates) {
+  if (given.is_none()) return std::nullopt;
+  ChangeOptions changes;
+  set_numbers(given, "changes",
+              {{"window", &changes.window},
+               {"level", &changes.level},
+               {"hysteresis", &changes.hysteresis},
+               {"false_alarms_every", &changes.false_alarms_every}},
+              {{"reference", &changes.reference}, {"memory", &changes.memory}, {"persistence", &changes.persistence}});
+  for (const auto& [name, effect] : covariates)
+    changes.covariates.push_back({name.cast<std::string>(), effect.cast<double>()});
+  return changes;
 }
 
 template <class Work>
@@ -239,6 +260,34 @@ py::list events_of(PythonFilter& self) {
   return all;
 }
 
+py::tuple tuple_of(const ParameterChange& what) {
+  return py::make_tuple(what.parameter, what.change, what.std, py::make_tuple(what.lower, what.upper), what.since,
+                        py::make_tuple(what.earliest, what.latest));
+}
+
+py::list alarms_of(PythonFilter& self) {
+  py::list all;
+  for (const auto& alarm : self.filter().alarms())
+    all.append(py::make_tuple(alarm.number, to_string(alarm.kind), alarm.time, tuple_of(alarm.what), alarm.text));
+  return all;
+}
+
+py::list present_changes_of(PythonFilter& self) {
+  py::list all;
+  for (const auto& what : self.filter().changes()) all.append(tuple_of(what));
+  return all;
+}
+
+py::list trend_of(PythonFilter& self) {
+  py::list all;
+  for (const auto& each : self.filter().trend()) {
+    const auto& [mean, std, lower, upper] = each.corrected;
+    all.append(py::make_tuple(each.day, each.parameter, each.unit, each.measured.mean, each.measured.std, mean, std,
+                              each.windows));
+  }
+  return all;
+}
+
 py::tuple consistency_of(PythonFilter& self) {
   const auto found = self.filter().consistency();
   return py::make_tuple(found.mean_nis, found.expected_nis, found.fraction_in_95);
@@ -249,15 +298,19 @@ py::tuple consistency_of(PythonFilter& self) {
 void bind_filter(py::module_& module) {
   py::class_<PythonFilter>(module, "Filter", "A filter that is moved by its caller: see kalfem.Filter.")
       .def(py::init([](const Structure& structure, double sample_rate, const py::dict& arguments, double start,
-                       double horizon, int input_delay, int window, const py::object& gates) {
+                       double horizon, int input_delay, int window, const py::object& gates, const py::object& changes,
+                       const py::dict& covariates) {
              refuse_relative_noise(arguments["sensors"]);
              const LiveOptions live{.start = start,
                                     .horizon = horizon,
-                                    .filter = {.input_delay = input_delay, .window = window, .gates = gates_of(gates)}};
+                                    .filter = {.input_delay = input_delay,
+                                               .window = window,
+                                               .gates = gates_of(gates),
+                                               .changes = changes_of(changes, covariates)}};
              return std::make_unique<PythonFilter>(structure, sample_rate, options_of(structure, arguments), live);
            }),
            py::arg("structure"), py::arg("sample_rate"), py::arg("arguments"), py::arg("start"), py::arg("horizon"),
-           py::arg("input_delay"), py::arg("window"), py::arg("gates"))
+           py::arg("input_delay"), py::arg("window"), py::arg("gates"), py::arg("changes"), py::arg("covariates"))
       .def("predict", &PythonFilter::predict, py::arg("u") = py::none(), R"(Move to the next sample.
 
 Parameters
@@ -356,6 +409,16 @@ int
           "condition", [](PythonFilter& self) { return to_string(self.filter().condition()); },
           "``warming up``, ``consistent``, ``suspicious``, ``unusable`` or ``silent``.")
       .def("_events", &events_of)
+      .def("_alarms", &alarms_of)
+      .def("_changes", &present_changes_of)
+      .def("_trend", &trend_of)
+      .def(
+          "covariate",
+          [](PythonFilter& self, const std::string& name, double t, double value) {
+            self.filter().covariate(name, t, value);
+          },
+          py::arg("name"), py::arg("t"), py::arg("value"),
+          "Tell the value of a covariate at a time [s] from the first sample on, before the filter has passed it.")
       .def("write_state", &PythonFilter::write_state, py::arg("file"),
            "Write all that later steps depend on to a file, which is replaced at once.")
       .def("read_state", &PythonFilter::read_state, py::arg("file"),

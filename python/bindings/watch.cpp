@@ -19,7 +19,7 @@ public:
               for (const auto& [key, value] : set) changes.push_back({key, value});
               return make_live_plan(load_study(case_file, changes));
             }(),
-            [this](const std::string& line) { said_.push_back(line); },
+            [this](MessageKind, const std::string& line) { said_.push_back(line); },
             [this](const std::string& text) { complaints_.push_back(text); }) {}
 
   void take(const std::string& lines) {

@@ -37,6 +37,40 @@ class Event(NamedTuple):
     text: str
 
 
+class Change(NamedTuple):
+    """How far a parameter is from its level in the reference windows: relative, with std and the 95 % interval."""
+
+    parameter: str
+    change: float
+    std: float
+    interval_95: tuple[float, float]
+    since: float
+    since_within: tuple[float, float]
+
+
+class Alarm(NamedTuple):
+    """A change that was found (`raised`, `changed`), or has gone (`ended`)."""
+
+    number: int
+    kind: str
+    time: float
+    what: Change
+    text: str
+
+
+class DailyMean(NamedTuple):
+    """A parameter over one day; `corrected` is what it would be had the covariates stayed as they were at first."""
+
+    day: float
+    parameter: str
+    unit: str
+    mean: float
+    std: float
+    corrected: float
+    corrected_std: float
+    windows: int
+
+
 class Filter(core.Filter):
     """A filter over samples as they come.
 
@@ -62,6 +96,11 @@ class Filter(core.Filter):
         Leave sensors out that lie, and take them again: see `events` and `condition`. A dictionary gives other numbers
         than the usual ones: ``limit``, ``warm_up``, ``memory``, ``suspend_after``, ``stuck``, ``patience``,
         ``inflation``, ``silence``, ``most_events``.
+    changes : bool or dict
+        Watch the unknowns for changes: see `alarms`, `changes` and `trend`. A dictionary gives other numbers than the
+        usual ones: ``window`` [s], ``reference``, ``memory``, ``level``, ``hysteresis``, ``persistence``,
+        ``false_alarms_every`` [s], and ``covariates``, ``{"temperature": 0.01}``: the prior standard deviation of a
+        relative change per unit. Their values come by ``push("temperature", t, values)`` or `covariate`.
 
     Notes
     -----
@@ -102,6 +141,7 @@ class Filter(core.Filter):
         input_delay: int = 8,
         window: int = 2000,
         gates: bool | Mapping[str, float] = False,
+        changes: bool | Mapping[str, Any] = False,
     ):
         arguments = {
             "sensors": dict(sensors),
@@ -115,7 +155,11 @@ class Filter(core.Filter):
             "threads": threads,
         }
         chosen = dict(gates) if isinstance(gates, Mapping) else {} if gates else None
-        super().__init__(structure, sample_rate, arguments, start, horizon, input_delay, window, chosen)
+        watched = dict(changes) if isinstance(changes, Mapping) else {} if changes else None
+        covariates = dict(watched.pop("covariates", {})) if watched else {}
+        super().__init__(
+            structure, sample_rate, arguments, start, horizon, input_delay, window, chosen, watched, covariates
+        )
 
     def state(self, name: str) -> Estimate:
         """Mean and standard deviation now of ``body.2.displacement``, ``body.2.velocity``, or an output."""
@@ -130,6 +174,21 @@ class Filter(core.Filter):
     def events(self) -> list[Event]:
         """What the gates have noticed, the oldest first: spikes, sensors that are left out and taken again."""
         return [Event(*each) for each in self._events()]
+
+    @property
+    def alarms(self) -> list[Alarm]:
+        """The alarms on changes of unknowns, the latest 1000, the oldest first."""
+        return [Alarm(number, kind, t, Change(*what), text) for number, kind, t, what, text in self._alarms()]
+
+    @property
+    def changes(self) -> list[Change]:
+        """The changes whose alarm has been raised and has not ended, with what is known of them now."""
+        return [Change(*each) for each in self._changes()]
+
+    @property
+    def trend(self) -> list[DailyMean]:
+        """The unknowns by day, the present one last."""
+        return [DailyMean(*each) for each in self._trend()]
 
     @property
     def consistency(self) -> Consistency:

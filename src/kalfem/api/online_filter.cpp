@@ -37,6 +37,27 @@ std::vector<FilterEvent> OnlineFilter::events() const {
   return {kept.begin(), kept.end()};
 }
 
+void OnlineFilter::covariate(const std::string& name, double time, double value) {
+  auto* monitor = steps_->monitor();
+  const auto found = monitor ? monitor->find(name) : std::nullopt;
+  if (!found) throw InvalidInput("the filter has no covariate '" + name + "'", "", "name it in OnlineOptions::changes");
+  monitor->add(*found, time, value);
+}
+
+std::vector<Alarm> OnlineFilter::alarms() const {
+  const auto* monitor = steps_->monitor();
+  if (!monitor) return {};
+  return {monitor->alarms().begin(), monitor->alarms().end()};
+}
+
+std::vector<ParameterChange> OnlineFilter::changes() const {
+  return steps_->monitor() ? steps_->monitor()->present_changes() : std::vector<ParameterChange>{};
+}
+
+std::vector<ParameterDay> OnlineFilter::trend() const {
+  return steps_->monitor() ? steps_->monitor()->trend() : std::vector<ParameterDay>{};
+}
+
 std::vector<ParameterEstimate> OnlineFilter::parameters() const {
   std::vector<ParameterEstimate> all;
   for (std::size_t i = 0; i < steps_->loop().unknowns(); ++i) {

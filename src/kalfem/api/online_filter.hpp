@@ -83,6 +83,15 @@ public:
   [[nodiscard]] FilterCondition condition() const;
   /// What the gates have noticed, the latest GateOptions::most_events, the oldest first.
   [[nodiscard]] std::vector<FilterEvent> events() const;
+  /// With OnlineOptions::changes: a value of a covariate at a time from the first sample on [s], before the filter has
+  /// passed the window in which it lies. Throws InvalidInput where there is no covariate of that name.
+  void covariate(const std::string& name, double time, double value);
+  /// The alarms on changes of unknowns, the latest 1000, the oldest first; those that stand, with what is known of them
+  /// now; and the unknowns by day. Empty without OnlineOptions::changes.
+  [[nodiscard]] std::vector<Alarm> alarms() const;
+  [[nodiscard]] std::vector<ParameterChange> changes() const;
+  [[nodiscard]] std::vector<ParameterDay> trend() const;
+
   /// Of the window: mean NIS, the expected one and how many samples lie in the 95 % band.
   [[nodiscard]] ConsistencySummary consistency() const;
 

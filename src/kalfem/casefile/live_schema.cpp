@@ -34,6 +34,37 @@ Schema<GateOptions> gates() {
           .optional("most_events", &GateOptions::most_events, integer(1, 1'000'000), "latest events that are kept"));
 }
 
+Schema<Alarms> alarms() {
+  const auto covariate =
+      Fields<Covariate>()
+          .required("channel", &Covariate::channel, name(), "column of the stream; its values are taken as they come")
+          .optional("effect", &Covariate::effect, number("-", {.low = 0.0, .high = 1e3, .low_open = true}),
+                    "prior standard deviation of its effect: relative change of a parameter per unit of the channel");
+  const auto options =
+      Fields<ChangeOptions>()
+          .optional("window", &ChangeOptions::window, number("s", plausible::duration()),
+                    "time of the stream of which one estimate is formed")
+          .optional("reference", &ChangeOptions::reference, integer(2, 10'000'000),
+                    "windows before the first alarm; changes are counted from their level")
+          .optional("memory", &ChangeOptions::memory, integer(2, 1000),
+                    "a change that is not yet known may have begun in one of so many latest windows")
+          .optional("level", &ChangeOptions::level, number("-", {.low = 0.0, .high = 1e3, .low_open = true}),
+                    "smallest change that gives an alarm, relative to the initial value of the unknown, or to its std "
+                    "where that value is 0")
+          .optional("hysteresis", &ChangeOptions::hysteresis, number("-", Bounds::between(0, 1)),
+                    "an alarm ends where the change has fallen below (1 - hysteresis) level")
+          .optional("persistence", &ChangeOptions::persistence, integer(1, 1000),
+                    "windows in succession that must show the change")
+          .optional("false_alarms_every", &ChangeOptions::false_alarms_every,
+                    number("s", {.low = 0.0, .high = 1e12, .low_open = true}),
+                    "mean time between false alarms of a clean stream, all unknowns together: the threshold follows");
+  return mapping(Fields<Alarms>()
+                     .inlined(&Alarms::options, options)
+                     .optional("covariates", &Alarms::covariates, named(located(mapping(covariate))),
+                               "channels of the stream, such as a temperature, whose effect on the unknowns is learned "
+                               "and taken out"));
+}
+
 }  // namespace
 
 Schema<Live> live() {
@@ -53,6 +84,8 @@ Schema<Live> live() {
           .optional("window", &Live::window, integer(100, 10'000'000), "latest samples by which the verdict is formed")
           .optional("gated", &Live::gated, boolean(), "leave sensors out that lie, and take them again")
           .optional("gates", &Live::gates, gates(), "when that is done")
+          .optional("alarms", &Live::alarms, located(alarms()),
+                    "watch the unknowns for changes, and keep a trend by day")
           .optional("every", &Live::every, number("s", plausible::duration()),
                     "time of the stream between two lines of estimates")
           .optional("state", &Live::state, path(false),

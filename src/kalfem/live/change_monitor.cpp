@@ -32,21 +32,15 @@ VectorXd effects_of(const ChangeOptions& options) {
   return effects;
 }
 
+DailyMean mean_of(const MonitoredUnknown& unknown, double mean, double deviation) {
+  const double lower = unknown.value(mean - deviations_95 * deviation);
+  const double upper = unknown.value(mean + deviations_95 * deviation);
+  return {unknown.value(mean), (upper - lower) / (2.0 * deviations_95), lower, upper};
+}
+
 std::string per_cent(double part) { return three_digits(100.0 * part) + " %"; }
 
 }  // namespace
-
-std::string to_string(AlarmKind kind) {
-  switch (kind) {
-    case AlarmKind::raised:
-      return "raised";
-    case AlarmKind::changed:
-      return "changed";
-    case AlarmKind::ended:
-      return "ended";
-  }
-  return {};
-}
 
 void let_drift(const ChangeOptions& options, std::vector<UnknownParameter>& unknowns) {
   for (auto& unknown : unknowns)
@@ -91,7 +85,8 @@ void ChangeMonitor::after_sample(const OnlineLoop& loop) {
   const auto condition = loop.condition();
   const bool goes_on = !loop.failure() && condition != silent && loop.changed() == changed_;
   Gaussian here = relative_estimate(loop);
-  if (start_ && goes_on) close_window(loop, here);
+  const VectorXd covariates = covariate_means(loop.time());
+  if (start_ && goes_on) close_window(loop.time(), here, covariates);
   if (start_ && !goes_on) ++left_out_;
   settled_ = goes_on && condition != warming_up ? settled_ + 1 : 0;
   start_.reset();
@@ -99,15 +94,22 @@ void ChangeMonitor::after_sample(const OnlineLoop& loop) {
   changed_ = loop.changed();
 }
 
-void ChangeMonitor::close_window(const OnlineLoop& loop, const Gaussian& end) {
-  const double now = loop.time(), length = static_cast<double>(length_) * step_;
-  VectorXd walk(std::ssize(unknowns_)), values(std::ssize(covariates_));
+/// Over the window that ends now; not a number where a covariate has had no value for long.
+VectorXd ChangeMonitor::covariate_means(double now) {
+  const double length = static_cast<double>(length_) * step_;
+  VectorXd means(std::ssize(covariates_));
+  for (Index k = 0; k < means.size(); ++k)
+    means[k] = covariates_[static_cast<std::size_t>(k)].mean(now - length, now, held_windows * length);
+  return means;
+}
+
+void ChangeMonitor::close_window(double now, const Gaussian& end, const VectorXd& values) {
+  const double length = static_cast<double>(length_) * step_;
+  VectorXd walk(std::ssize(unknowns_));
   for (Index i = 0; i < walk.size(); ++i) {
     const double each = unknowns_[static_cast<std::size_t>(i)].walk;
     walk[i] = each * each * length;
   }
-  for (Index k = 0; k < values.size(); ++k)
-    values[k] = covariates_[static_cast<std::size_t>(k)].mean(now - length, now, held_windows * length);
   if (!values.allFinite() || !end.covariance.allFinite()) {
     ++left_out_;
     return;
@@ -183,6 +185,28 @@ void ChangeMonitor::give(AlarmKind kind, double now, Index parameter) {
                                         : of_it;
   alarms_.push_back(std::move(alarm));
   if (alarms_.size() > most_alarms) alarms_.pop_front();
+}
+
+std::vector<ParameterDay> ChangeMonitor::parameters_of(const TrendDay& day) const {
+  std::vector<ParameterDay> all;
+  for (Index i = 0; i < day.mean.size(); ++i) {
+    const auto& unknown = unknowns_[static_cast<std::size_t>(i)];
+    all.push_back({.day = day.start,
+                   .parameter = unknown.name,
+                   .unit = unknown.unit,
+                   .measured = mean_of(unknown, day.mean[i], day.deviation[i]),
+                   .corrected = mean_of(unknown, day.corrected[i], day.corrected_deviation[i]),
+                   .windows = day.windows});
+  }
+  return all;
+}
+
+std::vector<ParameterDay> ChangeMonitor::trend() const {
+  std::vector<ParameterDay> all;
+  const auto add = [&](const TrendDay& day) { std::ranges::move(parameters_of(day), std::back_inserter(all)); };
+  for (const auto& day : trend_.days()) add(day);
+  add(trend_.today(test_));
+  return all;
 }
 
 }  // namespace kalfem

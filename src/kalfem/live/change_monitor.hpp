@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "kalfem/live/change_alarm.hpp"
-#include "kalfem/live/change_options.hpp"
 #include "kalfem/live/change_test.hpp"
 #include "kalfem/live/covariate_samples.hpp"
 #include "kalfem/live/daily_trend.hpp"
+#include "kalfem/live/live_state.hpp"
 #include "kalfem/live/monitored_unknown.hpp"
 #include "kalfem/live/online_loop.hpp"
+#include "kalfem/live/online_options.hpp"
 
 namespace kalfem {
 
@@ -49,7 +49,9 @@ public:
   [[nodiscard]] std::vector<ParameterChange> present_changes() const;
   [[nodiscard]] const ChangeTest& test() const { return test_; }
   [[nodiscard]] const std::vector<TrendDay>& days() const { return trend_.days(); }
-  [[nodiscard]] TrendDay today() const { return trend_.today(test_); }
+  [[nodiscard]] std::vector<ParameterDay> parameters_of(const TrendDay& day) const;
+  /// All days, with the present one, one entry for each unknown.
+  [[nodiscard]] std::vector<ParameterDay> trend() const;
 
   static void transfer(auto& self, auto& archive) {
     archive(self.origin_);
@@ -83,7 +85,8 @@ public:
 
 private:
   [[nodiscard]] Gaussian relative_estimate(const OnlineLoop& loop) const;
-  void close_window(const OnlineLoop& loop, const Gaussian& end);
+  [[nodiscard]] Eigen::VectorXd covariate_means(double now);
+  void close_window(double now, const Gaussian& end, const Eigen::VectorXd& covariates);
   void look_for_steps(double now);
   void end_alarms(double now);
   void give(AlarmKind kind, double now, Eigen::Index parameter);

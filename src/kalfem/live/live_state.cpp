@@ -43,4 +43,16 @@ std::string to_string(FilterEventKind kind) {
   return {};
 }
 
+std::string to_string(AlarmKind kind) {
+  switch (kind) {
+    case AlarmKind::raised:
+      return "raised";
+    case AlarmKind::changed:
+      return "changed";
+    case AlarmKind::ended:
+      return "ended";
+  }
+  return {};
+}
+
 }  // namespace kalfem

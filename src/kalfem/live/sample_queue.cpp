@@ -23,6 +23,7 @@ SampleQueue::SampleQueue(FilterProblem problem, std::vector<OnlineInput> inputs,
     : steps_(std::move(problem), std::move(inputs), options.filter),
       options_(options),
       rate_(1.0 / steps_.loop().step()) {
+  if (steps_.monitor()) steps_.monitor()->set_origin(options.start);
   if (!(options.horizon > 0.0) || !std::isfinite(options.horizon * rate_) || options.horizon * rate_ > 1e8)
     throw InvalidInput("horizon: " + shortest(options.horizon) + " s", "it must be > 0 and at most 1e8 samples", "");
   for (const auto& sensor : steps_.loop().sensors()) channels_.push_back(sensor.name);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "kalfem/base/units.hpp"
 #include "kalfem/study/assembly.hpp"
@@ -112,6 +113,41 @@ void check_inputs(const CaseStudy& study, IssueList& issues) {
   }
 }
 
+std::string column_of(const d::Case& given, std::size_t sensor) {
+  const auto& [name, described] = given.sensors[sensor];
+  return described.channel.value_or(name);
+}
+
+/// A covariate is a column of its own. Options that depend on the sampling rate.
+void check_alarms(const d::Case& given, IssueList& issues) {
+  const d::Live& live = given.live->value;
+  if (!live.alarms) return;
+  const auto& [options, covariates] = live.alarms->value;
+  if (options.window * live.sample_rate < 10.0)
+    issues.add(live.alarms->location,
+               "live.alarms.window is " + shortest(options.window * live.sample_rate) + " samples",
+               "an estimate is formed of at least ten", "give a longer window");
+  if (options.false_alarms_every < options.window)
+    issues.add(live.alarms->location, "live.alarms.false_alarms_every is shorter than a window",
+               "each window can give one alarm at most", "give a longer time");
+  if (given.estimate->unknown.empty())
+    issues.add(live.alarms->location, "live.alarms is given, but nothing is unknown",
+               "alarms are on changes of unknowns", "add estimate.unknown, or leave live.alarms out");
+  std::map<std::string, std::string> used;
+  for (std::size_t i = 0; i < given.sensors.size(); ++i)
+    used[column_of(given, i)] = "sensors." + given.sensors[i].first;
+  for (const auto& [name, excitation] : given.excitation)
+    if (const auto* column = excitation.signal_as<d::FileSignal>()) used[column->channel.value] = "excitation." + name;
+  for (const auto& [name, covariate] : covariates) {
+    const auto [place, fresh] = used.emplace(covariate.value.channel.value, "covariates." + name);
+    if (!fresh)
+      issues.add(covariate.location,
+                 "live.alarms.covariates." + name + ".channel is '" + covariate.value.channel.value + "', that of " +
+                     place->second,
+                 "a covariate is a column that is nothing else", "name another column");
+  }
+}
+
 std::string unit_of_input(const d::Excitation& excitation) {
   if (std::holds_alternative<d::BaseDisplacement>(excitation.target)) return unit_of(InputKind::base_displacement);
   return unit_of(std::holds_alternative<d::Force>(excitation.target) ? InputKind::force : InputKind::base_acceleration);
@@ -149,6 +185,7 @@ void check_live(const CaseStudy& study, IssueList& issues) {
   check_estimation(study.given, issues);
   check_sensors(study, issues);
   check_inputs(study, issues);
+  check_alarms(study.given, issues);
 }
 
 bool is_live(const Study& study) { return study.description && study.description->live; }
@@ -179,6 +216,14 @@ LivePlan make_live_plan(const Study& study) {
   plan.options = {.horizon = live.horizon,
                   .longest_gap = std::max(an_hour, 10.0 * live.horizon),
                   .filter = {.input_delay = live.input_delay, .window = live.window}};
+  if (live.alarms) {
+    auto& changes = plan.options.filter.changes.emplace(live.alarms->value.options);
+    for (const auto& [name, covariate] : live.alarms->value.covariates) {
+      plan.channels.push_back(
+          {.name = name, .column = covariate.value.channel.value, .covariate = changes.covariates.size()});
+      changes.covariates.push_back({name, covariate.value.effect});
+    }
+  }
   if (live.gated) plan.options.filter.gates = live.gates;
   for (std::size_t i = 0; i < given.sensors.size(); ++i) {
     const auto& [name, sensor] = given.sensors[i];

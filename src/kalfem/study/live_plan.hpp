@@ -27,6 +27,7 @@ struct LiveChannel {
   std::string given;   ///< unit in which it comes, if the case states one
   ChannelCalibration calibration = {};
   bool is_input = false;
+  std::optional<std::size_t> covariate = {};  ///< which one, where it is no sensor and no input
 };
 
 /// What `kalfem watch` does with a case, with every name looked up and every number in SI.

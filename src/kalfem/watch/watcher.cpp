@@ -8,6 +8,7 @@
 #include "kalfem/base/text.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/unit_labels.hpp"
+#include "kalfem/watch/change_lines.hpp"
 
 namespace kalfem {
 
@@ -28,21 +29,29 @@ double factor_of(const StreamBlock& block, const LiveChannel& channel) {
 
 }  // namespace
 
-Watcher::Watcher(LivePlan plan, std::function<void(const std::string&)> say,
-                 std::function<void(const std::string&)> complain)
+Watcher::Watcher(LivePlan plan, Say say, std::function<void(const std::string&)> complain)
     : plan_(std::move(plan)),
       say_(std::move(say)),
       complain_(std::move(complain)),
       queue_(plan_.problem, plan_.inputs, plan_.options),
-      origin_(plan_.start),
       every_(std::max(1L, std::lround(plan_.every / loop().step()))) {
+  if (plan_.start) begin_at(*plan_.start);
   queue_.steps().after_each_sample([this] { after_sample(); });
 }
 
 void Watcher::take(std::string_view line) {
   ++lines_;
   try {
-    for (const auto& block : reader_.read(line)) take_block(block);
+    std::vector<std::pair<const StreamBlock*, const LiveChannel*>> known;
+    const auto blocks = reader_.read(line);
+    for (const auto& block : blocks)
+      if (const auto* channel = channel_of(block); channel && !block.values.empty())
+        known.emplace_back(&block, channel);
+    // Covariates first: the other channels move the filter, which then asks for them.
+    for (const auto& [block, channel] : known)
+      if (channel->covariate) take_covariate(*block, *channel);
+    for (const auto& [block, channel] : known)
+      if (!channel->covariate) take_block(*block, *channel);
   } catch (const InvalidInput& error) {
     ++bad_lines_;
     complain_("line " + std::to_string(lines_) + ": " + error.what());
@@ -63,32 +72,58 @@ const LiveChannel* Watcher::channel_of(const StreamBlock& block) {
   return nullptr;
 }
 
-void Watcher::take_block(const StreamBlock& block) {
-  const LiveChannel* channel = channel_of(block);
-  if (!channel || block.values.empty()) return;
+void Watcher::begin_at(double time) {
+  origin_ = time;
+  if (auto* monitor = queue_.steps().monitor()) monitor->set_origin(time);
+}
+
+/// Its values may be any time apart. Before the first sample of a sensor or an input they have no place.
+void Watcher::take_covariate(const StreamBlock& block, const LiveChannel& channel) {
+  if (!origin_) begin_at(block.time);
+  const double interval = block.interval > 0.0 ? block.interval : loop().step();
+  for (std::size_t i = 0; i < block.values.size(); ++i)
+    queue_.push_covariate(*channel.covariate, block.time - *origin_ + static_cast<double>(i) * interval,
+                          block.values[i]);
+}
+
+void Watcher::take_block(const StreamBlock& block, const LiveChannel& channel) {
   const double rate = 1.0 / loop().step();
   if (block.interval > 0.0 && std::abs(block.interval * rate - 1.0) > 1e-3 && block.values.size() > 1)
-    throw InvalidInput("the values of '" + channel->column + "' are " + shortest(block.interval) + " s apart",
+    throw InvalidInput("the values of '" + channel.column + "' are " + shortest(block.interval) + " s apart",
                        "the case states a sampling rate of " + shortest(rate) + " Hz",
                        "correct live.sample_rate, or resample the channel");
-  const double factor = factor_of(block, *channel);
-  const auto& [gain, offset, delay, drift] = channel->calibration;  // a live case has no drift
+  const double factor = factor_of(block, channel);
+  const auto& [gain, offset, delay, drift] = channel.calibration;  // a live case has no drift
   const double time = block.time - delay;
-  if (!origin_) origin_ = time;
+  if (!origin_) begin_at(time);
   VectorXd values(std::ssize(block.values));
   for (Index i = 0; i < values.size(); ++i)
     values[i] = (block.values[static_cast<std::size_t>(i)] * factor - offset) / gain;
-  if (!channel->is_input) {
-    queue_.push(channel->name, time - *origin_, values);
+  if (!channel.is_input) {
+    queue_.push(channel.name, time - *origin_, values);
     return;
   }
   for (Index i = 0; i < values.size(); ++i)  // a missing sample of an input is left out: the last value is held
     if (std::isfinite(values[i]))
-      queue_.push(channel->name, time - *origin_ + static_cast<double>(i) / rate, values.segment(i, 1));
+      queue_.push(channel.name, time - *origin_ + static_cast<double>(i) / rate, values.segment(i, 1));
 }
 
 void Watcher::after_sample() {
+  tell_changes();
   if (loop().sample() % every_ == 0) tell();
+}
+
+/// Alarms and days of the trend that are new.
+void Watcher::tell_changes() {
+  const auto* changes = monitor();
+  if (!changes) return;
+  const auto fresh = std::min<std::int64_t>(changes->alarms_given() - told_alarms_, std::ssize(changes->alarms()));
+  for (auto alarm = changes->alarms().end() - fresh; alarm != changes->alarms().end(); ++alarm)
+    say_(MessageKind::alarm, alarm_line(*alarm, *changes, origin()));
+  told_alarms_ = changes->alarms_given();
+  if (changes->days().empty() || !(changes->days().back().start > told_day_)) return;
+  told_day_ = changes->days().back().start;
+  say_(MessageKind::trend, trend_line(changes->days().back(), *changes));
 }
 
 void Watcher::tell() {
@@ -118,11 +153,17 @@ void Watcher::tell() {
                       {"channel", event->channel},
                       {"text", event->text}});
   told_events_ = log.total();
+  if (const auto* changes = monitor()) {
+    line["changes"] = changes_now(*changes, origin());
+    line["reference"] = {{"windows", std::min<long>(changes->windows(), changes->options().reference)},
+                         {"of", changes->options().reference},
+                         {"left_out", changes->windows_left_out()}};
+  }
   line["samples"] = queue_.samples();
   line["late"] = queue_.dropped();
   line["bad_lines"] = bad_lines_;
   if (const auto& failure = loop().failure()) line["failure"] = failure->reason;
-  say_(line.dump(-1, ' ', false, Json::error_handler_t::replace));
+  say_(MessageKind::estimates, line.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 void Watcher::transfer(auto& self, auto& archive) {
@@ -131,6 +172,8 @@ void Watcher::transfer(auto& self, auto& archive) {
   archive(self.logged_);
   archive(self.bad_lines_);
   archive(self.told_events_);
+  archive(self.told_alarms_);
+  archive(self.told_day_);
 }
 
 void Watcher::keep(ArchiveWriter& archive) const {

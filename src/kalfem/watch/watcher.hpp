@@ -14,12 +14,21 @@
 
 namespace kalfem {
 
+/// What a line of a Watcher is.
+enum class MessageKind {
+  estimates,  ///< where the filter stands
+  alarm,      ///< a parameter has changed
+  trend       ///< a day is over
+};
+
 /// A live case: lines of a stream in, lines of estimates out. What comes out depends on what came in alone, neither on
 /// the clock nor on the length of blocks, so that the same lines give the same bits.
 class Watcher final : public Resumable {
 public:
-  /// `say`: takes a line of estimates, without a line break; `complain`: takes a message.
-  Watcher(LivePlan plan, std::function<void(const std::string&)> say, std::function<void(const std::string&)> complain);
+  using Say = std::function<void(MessageKind kind, const std::string& line)>;
+
+  /// `say`: takes a line, a JSON object without a line break; `complain`: takes a message.
+  Watcher(LivePlan plan, Say say, std::function<void(const std::string&)> complain);
 
   /// Takes a line. One that cannot be used is told and counted, and that is all.
   void take(std::string_view line);
@@ -32,6 +41,10 @@ public:
   void logged(std::int64_t bytes) { logged_ = bytes; }
   /// Of the stream, where the filter stands [s].
   [[nodiscard]] double time() const { return origin_.value_or(0.0) + queue_.steps().loop().time(); }
+  /// Of the first sample [s]; 0 before it has come.
+  [[nodiscard]] double origin() const { return origin_.value_or(0.0); }
+  /// Of changes; null where the case asks for no alarms.
+  [[nodiscard]] const ChangeMonitor* monitor() const { return queue_.steps().monitor(); }
   [[nodiscard]] OnlineLoop& loop() { return queue_.steps().loop(); }  ///< the filter
   [[nodiscard]] std::string fingerprint() const { return queue_.fingerprint(); }
 
@@ -39,20 +52,25 @@ public:
   void take_up(ArchiveReader& archive) override;
 
 private:
-  void take_block(const StreamBlock& block);
+  void take_block(const StreamBlock& block, const LiveChannel& channel);
+  void take_covariate(const StreamBlock& block, const LiveChannel& channel);
+  void begin_at(double time);
   [[nodiscard]] const LiveChannel* channel_of(const StreamBlock& block);
   void complain(const std::string& what);
   void after_sample();
+  void tell_changes();
   static void transfer(auto& self, auto& archive);
 
   LivePlan plan_;
-  std::function<void(const std::string&)> say_, complain_;
+  Say say_;
+  std::function<void(const std::string&)> complain_;
   StreamLines reader_;
   SampleQueue queue_;
   std::optional<double> origin_;  ///< time of the first sample [s]
   long every_;                    ///< samples between two lines of estimates
   std::int64_t lines_ = 0, logged_ = 0, bad_lines_ = 0;
-  std::int64_t told_events_ = 0;
+  std::int64_t told_events_ = 0, told_alarms_ = 0;
+  double told_day_ = -1e300;               ///< start of the latest day whose trend has been told [s]
   std::set<std::string> unknown_columns_;  ///< told once each
 };
 
