@@ -46,6 +46,7 @@ find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(fmt REQUIRED)
 find_package(muparser REQUIRED)
+find_package(Mosquitto)  # without it there is no MQTT
 if(KALFEM_MPI)
   find_package(MPI REQUIRED COMPONENTS C)
   find_package(MUMPS REQUIRED)

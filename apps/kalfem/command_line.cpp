@@ -254,9 +254,12 @@ void add_sweep(CLI::App& app, Arguments& arguments) {
 void add_live_verbs(CLI::App& app, Arguments& arguments) {
   auto& watched = arguments.watch;
   auto* watch = app.add_subcommand("watch", "estimate from samples as they come, for as long as they come");
-  watch->add_option("case", watched.case_file, "case file (YAML) with `live`")->required();
-  auto* log = watch->add_option("--log", watched.log, "keep every line that comes in at the end of this file")
-                  ->type_name("FILE");
+  watch->add_option("case", watched.case_file, "case file (YAML) with `live`, or a folder of them")->required();
+  auto* log =
+      watch
+          ->add_option("--log", watched.log,
+                       "keep every line that comes in at the end of this file; of a folder of cases: in this folder")
+          ->type_name("FILE");
   auto* port = watch->add_option("--port", watched.port, "read lines at this TCP port of 127.0.0.1, not standard input")
                    ->type_name("N")
                    ->check(CLI::Range(1, 65535));
@@ -266,6 +269,16 @@ void add_live_verbs(CLI::App& app, Arguments& arguments) {
       ->type_name("FILE")
       ->excludes(log)
       ->excludes(port);
+  watch
+      ->add_option("--metrics", watched.metrics,
+                   "tell metrics (/metrics, for Prometheus) and health (/health) at this TCP port of 127.0.0.1")
+      ->type_name("N")
+      ->check(CLI::Range(1, 65535));
+  watch->add_option("--format", watched.format, "of the lines: json, or influx, the line protocol of InfluxDB")
+      ->type_name("FORMAT")
+      ->check(CLI::IsMember({"json", "influx"}));
+  watch->add_option("--output", watched.output, "write the lines to the end of this file, not to standard output")
+      ->type_name("FILE");
   add_changes(*watch, arguments);
   auto& played = arguments.play;
   auto* play = app.add_subcommand("play", "publish the record of a case, or its simulation, for `watch`");
@@ -282,6 +295,8 @@ void add_live_verbs(CLI::App& app, Arguments& arguments) {
           "from the first sample; several times")
       ->type_name("FAULT")
       ->allow_extra_args(false);
+  play->add_option("--mqtt", played.mqtt, "publish the lines to this topic of a broker of MQTT, not to standard output")
+      ->type_name("BROKER[:PORT]/TOPIC");
   add_changes(*play, arguments);
 }
 

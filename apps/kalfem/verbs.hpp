@@ -94,14 +94,18 @@ struct WatchArguments {
   std::string log;                   ///< file that keeps what comes in; empty: none
   std::string replay;                ///< such a file, read in the place of a stream; empty: none
   int port = 0;                      ///< of TCP on the loopback; 0: as the case says, or standard input
+  int metrics = 0;                   ///< port on the loopback for metrics and health; 0: as the case says, or none
+  std::string format = "json";       ///< or "influx"
+  std::string output;                ///< file that lines go to the end of; empty: standard output
 };
-/// watch: a live case. Reads lines of samples until they end or it is asked to stop; lines of estimates go to stdout.
-/// Not usable where the filter has stopped.
+/// watch: a live case, or every one of a folder. Reads lines of samples until they end or it is asked to stop; lines of
+/// estimates and alarms go to stdout. Not usable where a filter has stopped.
 ExitCode watch(const WatchArguments& arguments);
 
 struct PlayArguments {
   std::string case_file;
   std::vector<std::string> changes, faults;
+  std::string mqtt;    ///< BROKER[:PORT]/TOPIC that lines are published to; empty: standard output
   double speed = 1.0;  ///< of the clock; 0: as fast as it goes
   int block = 10;      ///< samples a line
 };

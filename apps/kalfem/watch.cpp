@@ -1,179 +1,186 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <unistd.h>
-#include <chrono>
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <optional>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <thread>
 
 #include "console.hpp"
 #include "kalfem/base/atomic_file.hpp"
-#include "kalfem/base/output_folder.hpp"
-#include "kalfem/live/state_file.hpp"
-#include "kalfem/watch/change_lines.hpp"
-#include "kalfem/watch/stream_source.hpp"
-#include "kalfem/watch/watcher.hpp"
+#include "kalfem/watch/influx_lines.hpp"
+#include "metrics_port.hpp"
 #include "verbs.hpp"
+#include "watched_case.hpp"
 
 namespace kalfem::command {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
-constexpr auto state_interval = std::chrono::milliseconds(900);  ///< between two states on disk, at most a second
-constexpr auto patience = std::chrono::seconds(10);              ///< without a line, until it is told
-constexpr int poll_interval = 100;                               ///< [ms]
-
-class Watch {
+/// Lines of all cases to standard output, or at the end of a file.
+class WatchOutput {
 public:
-  explicit Watch(const WatchArguments& arguments)
-      : arguments_(arguments),
-        study_(load_study(arguments.case_file, changes_of(arguments.changes))),
-        plan_(make_live_plan(study_)),
-        watcher_(
-            plan_, [this](MessageKind kind, const std::string& line) { say(kind, line); },
-            [](const std::string& text) { print_error("{}\n", text); }) {
-    for (const auto& warning : study_.warnings) print_error("warning: {}\n", warning);
+  WatchOutput(const WatchArguments& arguments, bool names_cases)
+      : as_influx_(arguments.format == "influx"), names_cases_(names_cases) {
+    if (arguments.output.empty()) return;
+    file_.open(arguments.output, std::ios::app | std::ios::binary);
+    if (!file_) fail_to_write(arguments.output, errno);
   }
 
-  ExitCode replay() {
-    std::ifstream log(arguments_.replay, std::ios::binary);
-    if (!log) throw InvalidInput("the log " + arguments_.replay + " cannot be read", "", "");
-    feed(log);
-    watcher_.tell();
-    return code();
-  }
-
-  ExitCode run() {
-    fs::path folder =
-        plan_.state.empty() ? fs::path(arguments_.case_file).replace_extension(".kalfem-live") : plan_.state;
-    const FolderLock lock(folder);
-    state_file_ = folder / "state";
-    if (fs::exists(state_file_)) {
-      read_state_file(state_file_, watcher_.fingerprint(), watcher_);
-      print_error("goes on from {:.6g} s, after {} lines, with the state in {}\n", watcher_.time(), watcher_.lines(),
-                  state_file_.string());
+  void say(MessageKind kind, const std::string& line, const std::string& name) {
+    const std::string text = as_influx_ ? influx_lines(kind, line, name) : named(line, name) + "\n";
+    const std::scoped_lock lock(lock_);
+    if (file_.is_open()) {
+      file_ << text << std::flush;
+    } else {
+      print("{}", text);
+      require_output();
     }
-    if (!arguments_.log.empty()) catch_up();
-    const auto source = open_source();
-    follow(*source);
-    keep_state();  // first: to look at a filter moves its last bits
-    watcher_.tell();
-    if (watcher_.monitor()) keep_changes();
-    return code();
+  }
+  void tell(const std::string& text, const std::string& name) {
+    const std::scoped_lock lock(lock_);
+    if (names_cases_)
+      print_error("{}: {}\n", name, text);
+    else
+      print_error("{}\n", text);
   }
 
 private:
-  void say(MessageKind kind, const std::string& line) {
-    print("{}\n", line);
-    if (kind != MessageKind::estimates && !state_file_.empty()) keep_changes();
+  [[nodiscard]] std::string named(const std::string& line, const std::string& name) const {
+    return names_cases_ ? "{\"case\":" + nlohmann::json(name).dump() + "," + line.substr(1) : line;
   }
 
-  /// The alarms and the trend by day, beside the state.
-  void keep_changes() {
-    guard_disk([&] {
-      const auto folder = state_file_.parent_path();
-      write_file_atomically(folder / "alarms.jsonl", alarm_file(*watcher_.monitor(), watcher_.origin()));
-      write_file_atomically(folder / "trend.csv", trend_table(*watcher_.monitor()));
-    });
-  }
-
-  void feed(std::istream& lines) {
-    for (std::string line; std::getline(lines, line);) {
-      stop_if_asked();
-      watcher_.take(line);
-      require_output();
-    }
-  }
-
-  /// What the log has beyond the state: lines that came after it had been written.
-  void catch_up() {
-    log_.emplace(arguments_.log);
-    if (log_->size() < watcher_.logged())
-      throw InvalidInput("the log " + arguments_.log + " is shorter than what the state has seen",
-                         "it belongs to another state", "give its own log, or remove " + state_file_.string());
-    if (log_->size() == watcher_.logged()) return;
-    std::ifstream behind(arguments_.log, std::ios::binary);
-    behind.seekg(watcher_.logged());
-    const auto before = watcher_.lines();
-    feed(behind);
-    watcher_.logged(log_->size());
-    print_error("takes {} lines from the log that the state has not seen\n", watcher_.lines() - before);
-  }
-
-  std::unique_ptr<StreamSource> open_source() {
-    const auto port = arguments_.port > 0 ? std::optional(arguments_.port) : plan_.port;
-    if (!port) return std::make_unique<DescriptorSource>(STDIN_FILENO);
-    auto source = std::make_unique<PortSource>(*port);
-    print_error("reads lines at 127.0.0.1:{}\n", *port);
-    return source;
-  }
-
-  void follow(StreamSource& source) {
-    const auto take = [&](std::string_view line) {
-      if (log_) log(line);
-      watcher_.take(line);
-    };
-    auto heard = Clock::now();
-    bool told_silence = false;
-    while (!stop_question()()) {
-      std::string bytes;
-      const auto state = source.read(poll_interval, bytes);
-      cutter_.add(bytes, StreamLines::longest_line, take);
-      require_output();
-      if (Clock::now() - kept_ > state_interval) keep_state();
-      if (state == StreamSource::State::ended) {
-        if (const auto rest = cutter_.take_rest(); !rest.empty()) take(rest);
-        return;
-      }
-      if (state == StreamSource::State::gave) {
-        heard = Clock::now();
-        told_silence = false;
-      } else if (!told_silence && Clock::now() - heard > patience) {
-        print_error("no line has come for {} s; it goes on waiting\n", patience.count());
-        told_silence = true;
-      }
-    }
-  }
-
-  /// A disk that is full does not end the watch: it is told once, until it takes bytes again.
-  void log(std::string_view line) {
-    guard_disk([&] { log_->add(line); });
-    watcher_.logged(log_->size());
-  }
-  void keep_state() {
-    kept_ = Clock::now();
-    guard_disk([&] { write_state_file(state_file_, watcher_.fingerprint(), watcher_); });
-  }
-  template <class Write>
-  void guard_disk(const Write& write) {
-    try {
-      write();
-      disk_fails_ = false;
-    } catch (const WriteFailure& error) {
-      if (!disk_fails_) print_error("{}; it goes on without\n", error.what());
-      disk_fails_ = true;
-    }
-  }
-
-  ExitCode code() { return watcher_.loop().failure() ? not_usable : done; }
-
-  WatchArguments arguments_;
-  Study study_;
-  LivePlan plan_;
-  Watcher watcher_;
-  fs::path state_file_;
-  std::optional<StreamLog> log_;
-  LineCutter cutter_;
-  Clock::time_point kept_ = Clock::now();
-  bool disk_fails_ = false;
+  bool as_influx_, names_cases_;
+  std::ofstream file_;
+  std::mutex lock_;
 };
+
+/// The cases of a folder that are live, each in a thread of its own, so that one that fails does not touch the others.
+class WatchedFolder {
+public:
+  explicit WatchedFolder(const WatchArguments& arguments) : output_(arguments, true) {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(arguments.case_file))
+      if (entry.is_regular_file() && entry.path().extension() == ".yaml") files.push_back(entry.path());
+    std::ranges::sort(files);
+    if (files.empty())
+      throw InvalidInput("the folder " + arguments.case_file + " holds no case", "a case is a file *.yaml", "");
+    for (const auto& file : files) add(file, arguments);
+  }
+
+  ExitCode run(std::optional<int> metrics) {
+    std::optional<MetricsPort> port;
+    if (metrics) port.emplace(*metrics, [this] { return health(); });
+    {
+      std::vector<std::jthread> threads;
+      for (auto& each : cases_)
+        if (each->watched) threads.emplace_back([this, &each] { watch(*each); });
+    }
+    const bool any_failed = std::ranges::any_of(cases_, [](const auto& each) { return each->failed; });
+    const bool all_usable = std::ranges::all_of(cases_, [](const auto& each) { return each->usable; });
+    return any_failed ? mend_the_input : all_usable ? done : not_usable;
+  }
+
+private:
+  struct Entry {
+    std::string name;
+    std::unique_ptr<WatchedCase> watched;
+    bool failed = false, usable = true;
+    std::mutex lock = {};
+    std::string why = {};  ///< it does not run
+  };
+
+  void add(const fs::path& file, const WatchArguments& arguments) {
+    auto entry = std::make_unique<Entry>();
+    entry->name = file.stem().string();
+    const std::string name = entry->name;
+    WatchedCaseOptions options{.case_file = file.string(), .alone = false};
+    for (const auto& change : changes_of(arguments.changes)) options.changes.emplace_back(change.key, change.value);
+    options.changes.emplace_back("estimate.threads", "1");  // a core for each case, as far as there are cores
+    if (!arguments.log.empty()) {
+      fs::create_directories(arguments.log);
+      options.log = (fs::path(arguments.log) / (name + ".log")).string();
+    }
+    try {
+      entry->watched = std::make_unique<WatchedCase>(
+          options, [this, name](MessageKind kind, const std::string& line) { output_.say(kind, line, name); },
+          [this, name](const std::string& text) { output_.tell(text, name); });
+    } catch (const InvalidInput& error) {
+      fail(*entry, error.what());
+    }
+    cases_.push_back(std::move(entry));
+  }
+
+  void watch(Entry& entry) {
+    const StopScope scope(&stop_question());
+    try {
+      entry.watched->run([] { return stop_question()(); });
+      entry.usable = entry.watched->usable();
+      const std::scoped_lock lock(entry.lock);
+      entry.why = "its stream has ended";
+    } catch (const Interrupted&) {
+      const std::scoped_lock lock(entry.lock);
+      entry.why = "it was stopped";
+    } catch (const std::exception& error) {
+      fail(entry, error.what());
+    }
+  }
+
+  void fail(Entry& entry, const std::string& why) {
+    output_.tell(why, entry.name);
+    entry.failed = true;
+    const std::scoped_lock lock(entry.lock);
+    entry.why = why;
+  }
+
+  [[nodiscard]] std::vector<WatchedHealth> health() const {
+    std::vector<WatchedHealth> all;
+    for (const auto& entry : cases_) {
+      auto& health = all.emplace_back(entry->watched ? entry->watched->health() : WatchedHealth{.name = entry->name});
+      const std::scoped_lock lock(entry->lock);
+      health.running = entry->why.empty();
+      health.why_not = entry->why;
+    }
+    return all;
+  }
+
+  WatchOutput output_;
+  std::vector<std::unique_ptr<Entry>> cases_;
+};
+
+ExitCode watch_folder(const WatchArguments& arguments) {
+  if (!arguments.replay.empty() || arguments.port > 0)
+    throw InvalidInput("--replay and --port are of one case, and " + arguments.case_file + " is a folder", "",
+                       "give live.port in each case, or replay them one by one");
+  WatchedFolder folder(arguments);
+  return folder.run(arguments.metrics > 0 ? std::optional(arguments.metrics) : std::nullopt);
+}
+
+ExitCode watch_case(const WatchArguments& arguments) {
+  WatchOutput output(arguments, false);
+  WatchedCaseOptions options{.case_file = arguments.case_file, .log = arguments.log};
+  for (const auto& change : changes_of(arguments.changes)) options.changes.emplace_back(change.key, change.value);
+  if (arguments.port > 0) options.port = arguments.port;
+  const std::string name = fs::path(arguments.case_file).stem().string();
+  WatchedCase watched(
+      options, [&](MessageKind kind, const std::string& line) { output.say(kind, line, name); },
+      [&](const std::string& text) { output.tell(text, name); });
+  if (!arguments.replay.empty()) {
+    watched.replay(arguments.replay);
+  } else {
+    std::optional<MetricsPort> port;
+    const auto metrics = arguments.metrics > 0 ? std::optional(arguments.metrics) : watched.plan().metrics;
+    if (metrics) port.emplace(*metrics, [&] { return std::vector{watched.health()}; });
+    watched.run([] { return stop_question()(); });
+  }
+  return watched.usable() ? done : not_usable;
+}
 
 }  // namespace
 
 ExitCode watch(const WatchArguments& arguments) {
-  Watch watch(arguments);
-  return arguments.replay.empty() ? watch.run() : watch.replay();
+  return fs::is_directory(arguments.case_file) ? watch_folder(arguments) : watch_case(arguments);
 }
 
 }  // namespace kalfem::command

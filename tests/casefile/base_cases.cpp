@@ -608,9 +608,20 @@ live:
   every: 1 s
   state: kept
   port: 5001
+  metrics: 9101
+  mqtt: {broker: localhost, port: 1883, client: tower, publish: kalfem/tower, login: input.csv, authority: input.csv, certificate: input.csv, key: input.csv}
+  alarms: {window: 30 s, reference: 50, memory: 40, level: 3 %, hysteresis: 0.2, persistence: 3, false_alarms_every: 100 h, covariates: {temperature: {channel: T, effect: 0.1 %}}}
 estimate:
   unknown: {joint.k: {initial: 4 kN/m, std: 1 kN/m}}
 )";
+
+/// The same from a broker in place of a port.
+const std::string brokered = [] {
+  std::string text = streaming;
+  const std::string port = "  port: 5001\n", client = "client: tower, ";
+  text.erase(text.find(port), port.size());
+  return text.insert(text.find(client) + client.size(), "topics: [tower/+], ");
+}();
 
 }  // namespace
 
@@ -621,6 +632,7 @@ std::vector<BaseCase> base_cases() {
           {"local", local},
           {"recorded", recorded},
           {"streaming", streaming},
+          {"brokered", brokered},
           {"latent", latent},
           {"updating", updating},
           {"beams", beams},

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fstream>
+
+#include "base/scratch_folder.hpp"
 #include "casefile/probes.hpp"
 #include "kalfem/study/live_plan.hpp"
 
@@ -55,6 +58,47 @@ void places() {
   EXPECT_FALSE(plan_of("").port.has_value());
 }
 
+void alarms() {
+  const auto plan = plan_of(
+      ", alarms: {window: 30 s, reference: 50, memory: 40, level: 3 %, hysteresis: 0.2, persistence: 3, "
+      "false_alarms_every: 100 h, covariates: {warmth: {channel: T, effect: 0.2 %}}}");
+  const auto found = *plan.options.filter.changes;
+  near(found.window, 30.0);
+  EXPECT_EQ(found.reference, 50);
+  EXPECT_EQ(found.memory, 40);
+  near(found.level, 0.03);
+  near(found.hysteresis, 0.2);
+  EXPECT_EQ(found.persistence, 3);
+  near(found.false_alarms_every, 360'000.0);
+  ASSERT_EQ(found.covariates.size(), 1U);
+  EXPECT_EQ(found.covariates[0].name, "warmth");
+  near(found.covariates[0].effect, 0.002);
+  EXPECT_TRUE(
+      std::ranges::any_of(plan.channels, [](const auto& each) { return each.column == "T" && each.covariate; }));
+  EXPECT_FALSE(plan_of("").options.filter.changes.has_value());
+}
+
+void mqtt() {
+  const auto found = *plan_of(", mqtt: {broker: mine, port: 2883, client: me, topics: [a/+], publish: out}").mqtt;
+  EXPECT_EQ(found.broker, "mine");
+  EXPECT_EQ(found.port, 2883);
+  EXPECT_EQ(found.client, "me");
+  EXPECT_EQ(found.topics, std::vector<std::string>{"a/+"});
+  EXPECT_EQ(found.publish, "out");
+  EXPECT_EQ(plan_of(", metrics: 9101").metrics, 9101);
+}
+
+void mqtt_files() {
+  const ScratchFolder folder("mqtt_keys");
+  const std::string file = (folder / "given.txt").string();
+  std::ofstream(file) << "me\nsecret\n";
+  const auto found = *plan_of(", mqtt: {publish: out, authority: " + file + ", certificate: " + file +
+                              ", key: " + file + ", login: " + file + "}")
+                          .mqtt;
+  for (const auto& each : {found.login, found.authority, found.certificate, found.key})
+    EXPECT_EQ(each.filename(), "given.txt");
+}
+
 }  // namespace
 
 KeyChecks live_keys() {
@@ -69,6 +113,14 @@ KeyChecks live_keys() {
       {"limit", "warm_up", "memory", "suspend_after", "stuck", "patience", "inflation", "silence", "most_events"},
       gates);
   add("live.", {"state", "port"}, places);
+  add("live.", {"alarms"}, alarms);
+  add("live.alarms.",
+      {"window", "reference", "memory", "level", "hysteresis", "persistence", "false_alarms_every", "covariates"},
+      alarms);
+  add("live.alarms.covariates.*.", {"channel", "effect"}, alarms);
+  add("live.", {"mqtt", "metrics"}, mqtt);
+  add("live.mqtt.", {"broker", "port", "client", "topics", "publish"}, mqtt);
+  add("live.mqtt.", {"login", "authority", "certificate", "key"}, mqtt_files);
   return keys;
 }
 

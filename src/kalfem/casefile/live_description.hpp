@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/live/online_options.hpp"
@@ -22,6 +23,17 @@ struct Alarms {
   Named<Located<Covariate>> covariates = {};
 };
 
+struct Mqtt {
+  std::string broker = "localhost";
+  std::optional<int> port = {};            ///< empty: 1883, with TLS 8883
+  std::string client;                      ///< name by which the broker keeps the session; empty: after the case
+  std::vector<std::string> topics = {};    ///< filters of what is read
+  std::string publish;                     ///< topic under which estimates go out; empty: they do not
+  std::filesystem::path login;             ///< user and password, a line each
+  std::filesystem::path authority;         ///< certificates for TLS
+  std::filesystem::path certificate, key;  ///< of the client
+};
+
 struct Live {
   double sample_rate = 0.0;     ///< [Hz]
   Located<std::string> unit;    ///< of the channels; if empty, SI
@@ -34,7 +46,9 @@ struct Live {
   double every = 1.0;                          ///< of the stream, between two lines of estimates [s]
   std::filesystem::path state;                 ///< folder of the state; if empty, beside the case
   std::optional<Located<Alarms>> alarms = {};  ///< on changes of the unknowns
-  std::optional<int> port;                     ///< of TCP, on the loopback; if empty, standard input
+  std::optional<Located<Mqtt>> mqtt = {};
+  std::optional<int> metrics = {};  ///< TCP port on the loopback that tells metrics and health
+  std::optional<int> port;          ///< of TCP, on the loopback; if empty, standard input
 };
 
 }  // namespace kalfem::description

@@ -65,6 +65,41 @@ Schema<Alarms> alarms() {
                                "and taken out"));
 }
 
+std::vector<Issue> check_mqtt(const Mqtt& given) {
+  std::vector<Issue> issues;
+  if (given.topics.empty() && given.publish.empty())
+    issues.push_back({{}, "mqtt has neither topics nor publish", "nothing would be read or sent", "give one of them"});
+  if (given.certificate.empty() != given.key.empty())
+    issues.push_back(
+        {{}, "mqtt has a certificate without a key, or a key without one", "they belong together", "give both"});
+  if (given.authority.empty() && !given.certificate.empty())
+    issues.push_back({{}, "mqtt has a certificate but no authority", "without it there is no TLS", "give authority"});
+  for (const char* wild : {"+", "#"})
+    if (given.publish.find(wild) != std::string::npos)
+      issues.push_back({{}, "mqtt.publish '" + given.publish + "' holds a " + wild, "it is one topic, not many", ""});
+  return issues;
+}
+
+Schema<Mqtt> mqtt() {
+  return mapping(
+      Fields<Mqtt>()
+          .optional("broker", &Mqtt::broker, text(), "computer of the broker")
+          .optional("port", &Mqtt::port, integer(1, 65535), "its TCP port; default: 1883, with TLS 8883")
+          .optional("client", &Mqtt::client, text(),
+                    "name by which the broker keeps what comes while nobody listens; default: after the case file")
+          .optional("topics", &Mqtt::topics, list(text()),
+                    "topics that samples are read from, with + and # as in MQTT; in place of standard input")
+          .optional("publish", &Mqtt::publish, text(),
+                    "topic under which status, estimates, verdict and alarms are published and retained")
+          .optional("login", &Mqtt::login, path(),
+                    "file with the user in its first line and the password in its second")
+          .optional("authority", &Mqtt::authority, path(),
+                    "file (PEM) of certificates, one of which has signed the broker's: TLS is used")
+          .optional("certificate", &Mqtt::certificate, path(), "own certificate (PEM), if the broker asks for one")
+          .optional("key", &Mqtt::key, path(), "its private key (PEM)")
+          .check(check_mqtt));
+}
+
 }  // namespace
 
 Schema<Live> live() {
@@ -90,6 +125,9 @@ Schema<Live> live() {
                     "time of the stream between two lines of estimates")
           .optional("state", &Live::state, path(false),
                     "folder of the filter's state, from which a later start goes on; default: beside the case")
+          .optional("mqtt", &Live::mqtt, located(mqtt()), "read samples from a broker of MQTT, and publish estimates")
+          .optional("metrics", &Live::metrics, integer(1, 65535),
+                    "TCP port on this computer that tells metrics (/metrics, for Prometheus) and health (/health)")
           .optional("port", &Live::port, integer(1, 65535),
                     "TCP port on this computer that lines are read from, in place of standard input"));
 }

@@ -148,6 +148,15 @@ void check_alarms(const d::Case& given, IssueList& issues) {
   }
 }
 
+/// Samples come from one place.
+void check_ports(const d::Live& live, const SourceLocation& place, IssueList& issues) {
+  if (live.port && live.mqtt && !live.mqtt->value.topics.empty())
+    issues.add(place, "live has both `port` and `mqtt.topics`", "samples come from one of them", "remove one");
+  if (live.port && live.metrics == live.port)
+    issues.add(place, "live.port and live.metrics are the same port",
+               "lines come in by the one, metrics go out by the other", "give another number");
+}
+
 std::string unit_of_input(const d::Excitation& excitation) {
   if (std::holds_alternative<d::BaseDisplacement>(excitation.target)) return unit_of(InputKind::base_displacement);
   return unit_of(std::holds_alternative<d::Force>(excitation.target) ? InputKind::force : InputKind::base_acceleration);
@@ -186,6 +195,7 @@ void check_live(const CaseStudy& study, IssueList& issues) {
   check_sensors(study, issues);
   check_inputs(study, issues);
   check_alarms(study.given, issues);
+  check_ports(study.given.live->value, study.given.live->location, issues);
 }
 
 bool is_live(const Study& study) { return study.description && study.description->live; }
@@ -204,7 +214,20 @@ LivePlan make_live_plan(const Study& study) {
                              "to watch is to read samples as they come",
                              "put `live` in the place of its record; kalfem schema live lists the keys"});
   const d::Live& live = given.live->value;
-  LivePlan plan{.start = live.start, .every = live.every, .state = live.state, .port = live.port};
+  LivePlan plan{
+      .start = live.start, .every = live.every, .state = live.state, .port = live.port, .metrics = live.metrics};
+  if (live.mqtt) {
+    const d::Mqtt& mqtt = live.mqtt->value;
+    plan.mqtt = {.broker = mqtt.broker,
+                 .port = mqtt.port,
+                 .client = mqtt.client,
+                 .topics = mqtt.topics,
+                 .publish = mqtt.publish,
+                 .login = mqtt.login,
+                 .authority = mqtt.authority,
+                 .certificate = mqtt.certificate,
+                 .key = mqtt.key};
+  }
   plan.problem = {with_substeps(*study.problem), *study.augmented_model, outputs_of(*study.augmented_model->model)};
   plan.problem.setup = [&] {
     IssueList issues;

@@ -8,6 +8,7 @@
 
 #include "kalfem/live/online_steps.hpp"
 #include "kalfem/records/channel_calibration.hpp"
+#include "kalfem/study/mqtt_options.hpp"
 
 namespace kalfem {
 
@@ -39,7 +40,9 @@ struct LivePlan {
   std::optional<double> start;  ///< time of the first sample [s]; if empty, that of the first one that comes
   double every = 1.0;           ///< between two lines of estimates [s]
   std::filesystem::path state;  ///< folder
-  std::optional<int> port;
+  std::optional<int> port;      ///< lines are read from
+  std::optional<MqttOptions> mqtt = {};
+  std::optional<int> metrics = {};  ///< port that tells metrics and health
 };
 
 /// The plan of a case with `live`. Throws InvalidInput without it, and for what only a whole record allows.

@@ -71,10 +71,14 @@ std::vector<StreamBlock> blocks_of_object(std::string_view line) {
   if (has_interval && !(interval->is_number() && interval->get<double>() > 0.0))
     throw InvalidInput("\"dt\" is no time > 0", "it is that between two values",
                        "write it in seconds, or leave it out");
+  const auto unit = object.find("unit");
+  if (unit != object.end() && !unit->is_string())
+    throw InvalidInput("\"unit\" is no text", "it is that of every channel of the line", "write \"unit\": \"g\"");
   std::vector<StreamBlock> blocks;
   for (const auto& [name, given] : object.items()) {
-    if (name == "t" || name == "dt") continue;
+    if (name == "t" || name == "dt" || name == "unit") continue;
     StreamBlock block{.column = name, .time = time->get<double>()};
+    if (unit != object.end()) block.unit = unit->get<std::string>();
     if (has_interval) block.interval = interval->get<double>();
     if (given.is_array())
       for (const auto& each : given) block.values.push_back(value_of(name, each));

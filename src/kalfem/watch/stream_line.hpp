@@ -21,6 +21,7 @@ struct StreamBlock {
 /// Reads the lines of a stream: JSON objects and lines of CSV, in any order.
 ///     {"t": 1.25, "a3": 0.31, "road": 0.002}                 one sample of some channels
 ///     {"t": 1.25, "dt": 0.002, "a3": [0.31, null, 0.28]}     some successive ones
+///     {"t": 1.25, "unit": "g", "a3": 0.031}                  in a unit, that of every channel of the line
 ///     t,a3 [g],road                                          names of the columns, and then
 ///     1.25,0.031,0.002                                       samples of them; an empty place is missing
 /// A line of CSV whose first place is no number gives the names of those behind it; the first column is the time.

@@ -64,21 +64,24 @@ StreamSource::State DescriptorSource::read(int milliseconds, std::string& bytes)
   return count > 0 ? State::gave : State::ended;
 }
 
-PortSource::PortSource(int port) : listener_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+int open_loopback_port(int port) {
+  const int listener = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   const int yes = 1;
-  setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  setsockopt(listener, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<std::uint16_t>(port));
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  if (listener_ >= 0 && bind(listener_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
-      listen(listener_, 4) == 0)
-    return;
+  if (listener >= 0 && bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
+      listen(listener, 4) == 0)
+    return listener;
   const int code = errno;
-  if (listener_ >= 0) close(listener_);
+  if (listener >= 0) close(listener);
   throw InvalidInput("port " + std::to_string(port) + " cannot be opened on 127.0.0.1", words_of(code),
                      "give another one");
 }
+
+PortSource::PortSource(int port) : listener_(open_loopback_port(port)) {}
 
 PortSource::~PortSource() {
   if (sender_ >= 0) close(sender_);

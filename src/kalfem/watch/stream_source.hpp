@@ -40,6 +40,9 @@ private:
   int descriptor_;
 };
 
+/// A socket that listens at a TCP port of the loopback. Throws InvalidInput where the port is taken.
+int open_loopback_port(int port);
+
 /// One sender at a time at a TCP port of the loopback, one after the other: never ends.
 class PortSource final : public StreamSource {
 public:

@@ -72,6 +72,17 @@ const LiveChannel* Watcher::channel_of(const StreamBlock& block) {
   return nullptr;
 }
 
+/// From the unit of the stream to SI. Nothing where that is no unit of the channel, which is told once.
+std::optional<double> Watcher::known_factor(const StreamBlock& block, const LiveChannel& channel) try {
+  return factor_of(block, channel);
+} catch (const InvalidInput& error) {
+  ++bad_lines_;
+  if (wrong_units_.insert(block.column + " [" + block.unit + "]").second)
+    complain_("line " + std::to_string(lines_) + ": '" + block.column + "' comes in '" + block.unit +
+              "': " + error.what() + "; what comes in it is left out");
+  return {};
+}
+
 void Watcher::begin_at(double time) {
   origin_ = time;
   if (auto* monitor = queue_.steps().monitor()) monitor->set_origin(time);
@@ -92,13 +103,14 @@ void Watcher::take_block(const StreamBlock& block, const LiveChannel& channel) {
     throw InvalidInput("the values of '" + channel.column + "' are " + shortest(block.interval) + " s apart",
                        "the case states a sampling rate of " + shortest(rate) + " Hz",
                        "correct live.sample_rate, or resample the channel");
-  const double factor = factor_of(block, channel);
+  const auto factor = known_factor(block, channel);
+  if (!factor) return;
   const auto& [gain, offset, delay, drift] = channel.calibration;  // a live case has no drift
   const double time = block.time - delay;
   if (!origin_) begin_at(time);
   VectorXd values(std::ssize(block.values));
   for (Index i = 0; i < values.size(); ++i)
-    values[i] = (block.values[static_cast<std::size_t>(i)] * factor - offset) / gain;
+    values[i] = (block.values[static_cast<std::size_t>(i)] * *factor - offset) / gain;
   if (!channel.is_input) {
     queue_.push(channel.name, time - *origin_, values);
     return;

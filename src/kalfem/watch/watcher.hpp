@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -54,6 +55,7 @@ public:
 private:
   void take_block(const StreamBlock& block, const LiveChannel& channel);
   void take_covariate(const StreamBlock& block, const LiveChannel& channel);
+  [[nodiscard]] std::optional<double> known_factor(const StreamBlock& block, const LiveChannel& channel);
   void begin_at(double time);
   [[nodiscard]] const LiveChannel* channel_of(const StreamBlock& block);
   void complain(const std::string& what);
@@ -72,6 +74,7 @@ private:
   std::int64_t told_events_ = 0, told_alarms_ = 0;
   double told_day_ = -1e300;               ///< start of the latest day whose trend has been told [s]
   std::set<std::string> unknown_columns_;  ///< told once each
+  std::set<std::string> wrong_units_;      ///< of a column, told once each
 };
 
 }  // namespace kalfem
