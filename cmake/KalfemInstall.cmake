@@ -41,6 +41,7 @@ install(TARGETS kalfem_command RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPO
 install(FILES ${said}/kalfem.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT command)
 install(FILES ${said}/kalfem.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME kalfem COMPONENT command)
 install(FILES ${said}/kalfem.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT command)
+install(FILES packaging/kalfem-watch.service DESTINATION lib/systemd/system COMPONENT command)
 install(FILES ${said}/kalfem.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/kalfem COMPONENT command)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT command
         FILES_MATCHING PATTERN "*.md" PATTERN "*.bib" PATTERN "*.png" PATTERN "*.svg" PATTERN site EXCLUDE)

@@ -24,7 +24,7 @@ LICENCES = {"libamd2": "BSD-3-Clause", "libcolamd2": "BSD-3-Clause", "libcamd2":
             "pybind11": "BSD-3-Clause", "suitesparse": "GPL-2.0-or-later", "metis": "Apache-2.0",
             "openblas": "BSD-3-Clause", "pagmo": "GPL-3.0-or-later OR LGPL-3.0-or-later", "onetbb": "Apache-2.0",
             "gcc-12": "GPL-3.0-or-later WITH GCC-exception-3.1", "hdf5": "BSD-3-Clause", "zlib": "Zlib",
-            "openssl": "Apache-2.0", "yaml-cpp": "MIT", "fmtlib": "MIT", "muparser": "MIT",
+            "openssl": "Apache-2.0", "yaml-cpp": "MIT", "fmtlib": "MIT", "muparser": "MIT", "mosquitto": "EPL-2.0 OR BSD-3-Clause",
             "libsndfile": "LGPL-2.1-or-later", "libmatio": "BSD-2-Clause"}
 
 

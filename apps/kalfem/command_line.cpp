@@ -274,6 +274,10 @@ void add_live_verbs(CLI::App& app, Arguments& arguments) {
                    "tell metrics (/metrics, for Prometheus) and health (/health) at this TCP port of 127.0.0.1")
       ->type_name("N")
       ->check(CLI::Range(1, 65535));
+  watch
+      ->add_option("--state", watched.state,
+                   "keep the state, alarms and trend in this folder; of a folder of cases: in a folder for each in it")
+      ->type_name("FOLDER");
   watch->add_option("--format", watched.format, "of the lines: json, or influx, the line protocol of InfluxDB")
       ->type_name("FORMAT")
       ->check(CLI::IsMember({"json", "influx"}));
@@ -286,6 +290,8 @@ void add_live_verbs(CLI::App& app, Arguments& arguments) {
   play->add_option("--speed", played.speed, "so many times as fast as it was recorded; 0: as fast as it goes")
       ->type_name("X")
       ->check(CLI::Range(0.0, 1e9));
+  play->add_option("--start", played.start, "time of the first sample in seconds; default: that of the record")
+      ->type_name("T");
   play->add_option("--block", played.block, "samples in a line; default: 10")
       ->type_name("N")
       ->check(CLI::Range(1, 10000));

@@ -75,10 +75,11 @@ ExitCode play(const PlayArguments& arguments) {
   using Clock = std::chrono::steady_clock;
   std::vector<ScheduledFault> faults;
   for (const auto& text : arguments.faults) faults.push_back(scheduled_fault(text));
+  PlayOutput output(arguments.mqtt);
   const Study study = load_study(arguments.case_file, changes_of(arguments.changes));
   Playback playback = published(study);
+  if (arguments.start) playback.start = *arguments.start;
   apply_faults(faults, playback);
-  PlayOutput output(arguments.mqtt);
   const auto begin = Clock::now();
   for (Eigen::Index first = 0; first < playback.samples(); first += arguments.block) {
     const auto count = std::min<Eigen::Index>(arguments.block, playback.samples() - first);

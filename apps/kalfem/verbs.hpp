@@ -95,6 +95,7 @@ struct WatchArguments {
   std::string replay;                ///< such a file, read in the place of a stream; empty: none
   int port = 0;                      ///< of TCP on the loopback; 0: as the case says, or standard input
   int metrics = 0;                   ///< port on the loopback for metrics and health; 0: as the case says, or none
+  std::string state;                 ///< folder; of a folder of cases: that of their folders; empty: as the case says
   std::string format = "json";       ///< or "influx"
   std::string output;                ///< file that lines go to the end of; empty: standard output
 };
@@ -105,9 +106,10 @@ ExitCode watch(const WatchArguments& arguments);
 struct PlayArguments {
   std::string case_file;
   std::vector<std::string> changes, faults;
-  std::string mqtt;    ///< BROKER[:PORT]/TOPIC that lines are published to; empty: standard output
-  double speed = 1.0;  ///< of the clock; 0: as fast as it goes
-  int block = 10;      ///< samples a line
+  std::string mqtt;                  ///< BROKER[:PORT]/TOPIC that lines are published to; empty: standard output
+  double speed = 1.0;                ///< of the clock; 0: as fast as it goes
+  int block = 10;                    ///< samples a line
+  std::optional<double> start = {};  ///< time of the first sample [s]; empty: that of the record
 };
 /// play: publishes the record of a case, or its simulation, as lines that `watch` reads.
 ExitCode play(const PlayArguments& arguments);

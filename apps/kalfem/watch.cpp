@@ -96,6 +96,7 @@ private:
     entry->name = file.stem().string();
     const std::string name = entry->name;
     WatchedCaseOptions options{.case_file = file.string(), .alone = false};
+    if (!arguments.state.empty()) options.state = fs::path(arguments.state) / name;
     for (const auto& change : changes_of(arguments.changes)) options.changes.emplace_back(change.key, change.value);
     options.changes.emplace_back("estimate.threads", "1");  // a core for each case, as far as there are cores
     if (!arguments.log.empty()) {
@@ -159,7 +160,7 @@ ExitCode watch_folder(const WatchArguments& arguments) {
 
 ExitCode watch_case(const WatchArguments& arguments) {
   WatchOutput output(arguments, false);
-  WatchedCaseOptions options{.case_file = arguments.case_file, .log = arguments.log};
+  WatchedCaseOptions options{.case_file = arguments.case_file, .state = arguments.state, .log = arguments.log};
   for (const auto& change : changes_of(arguments.changes)) options.changes.emplace_back(change.key, change.value);
   if (arguments.port > 0) options.port = arguments.port;
   const std::string name = fs::path(arguments.case_file).stem().string();

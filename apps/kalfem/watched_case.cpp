@@ -64,8 +64,8 @@ void WatchedCase::replay(const std::string& log) {
 }
 
 void WatchedCase::run(const std::function<bool()>& stops) {
-  const fs::path folder =
-      plan_.state.empty() ? fs::path(options_.case_file).replace_extension(".kalfem-live") : plan_.state;
+  fs::path folder = options_.state.empty() ? plan_.state : options_.state;
+  if (folder.empty()) folder = fs::path(options_.case_file).replace_extension(".kalfem-live");
   const FolderLock lock(folder);
   if (plan_.mqtt) {
     const std::string base = plan_.mqtt->publish;

@@ -22,6 +22,7 @@ namespace kalfem::command {
 struct WatchedCaseOptions {
   std::string case_file;
   std::vector<std::pair<std::string, std::optional<std::string>>> changes = {};  ///< keys with other values
+  std::filesystem::path state;   ///< folder of what is kept; empty: as the case says, or beside it
   std::string log;               ///< file that keeps what comes in; empty: none
   std::optional<int> port = {};  ///< of TCP that lines are read from
   bool alone = true;             ///< it may read standard input

@@ -55,7 +55,7 @@ struct Watched {
 
   explicit Watched(const std::string& text = live())
       : watcher(
-            plan_of(text), [this](const std::string& line) { said.push_back(line); },
+            plan_of(text), [this](MessageKind, const std::string& line) { said.push_back(line); },
             [this](const std::string& line) { complaints.push_back(line); }) {}
 
   void take(const std::vector<std::string>& lines) {
