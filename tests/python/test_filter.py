@@ -211,6 +211,37 @@ def test_gates_name_a_sensor_that_reads_zero():
         live(gates={"limits": 3})
 
 
+def test_alarms_name_a_spring_that_softens():
+    rate, k = 200.0, 2e5
+    def mass(stiffness):
+        s = kf.Structure()
+        s.add(kf.lumped("frame").mass("1", 100.0).spring("k", "ground", "1", stiffness, 200.0))
+        return s.force("shaker", "frame.1")
+
+    sensors = {"a": kf.acceleration("frame.1", noise=0.02)}
+    filter = kf.Filter(
+        mass(k), rate, sensors=sensors, unknown={"frame.k.stiffness": (k, "5 %")}, window=400,
+        changes={"window": 2.0, "reference": 15, "memory": 15, "level": 0.01, "covariates": {"T": 0.001}},
+    )
+    t = np.arange(6001) / rate
+    random = np.random.default_rng(1)
+    for part, stiffness in enumerate([k, k, 0.97 * k]):
+        force = np.r_[0.0, random.normal(0.0, 50.0, t.size - 1)]
+        shown = kf.simulate(mass(stiffness), t, sensors=sensors, inputs={"shaker": force}, seed=part)
+        for first in range(0, 6000, 200):
+            at = 30.0 * part + t[first]
+            filter.push("T", at, [20.0 + np.sin(at)])
+            filter.push("shaker", at, force[first : first + 200])
+            filter.push("a", at, np.asarray(shown["a"])[first : first + 200])
+    (alarm,) = filter.alarms
+    assert alarm.kind == "raised" and alarm.what.parameter == "frame.k.stiffness"
+    assert abs(alarm.what.change + 0.03) < 4 * alarm.what.std
+    assert filter.changes[0].parameter == "frame.k.stiffness"
+    assert filter.trend[-1].windows > 20 and abs(filter.trend[-1].mean / k - 0.99) < 0.02
+    with pytest.raises(kf.InvalidInput, match="there is no 'levels'"):
+        kf.Filter(mass(k), rate, sensors=sensors, unknown=["frame.k.stiffness"], changes={"levels": 0.01})
+
+
 def test_a_state_gives_the_same_bits(tmp_path):
     _, u, data = record()
     whole, first, second = live(gates=True), live(gates=True), live(gates=True)
