@@ -87,5 +87,14 @@ TEST(LineCutter, CutsPiecesIntoLines) {
   EXPECT_EQ(cutter.take_rest(), "");
 }
 
+TEST(StreamLines, TakesTheUnitOfALine) {
+  StreamLines lines;
+  const auto blocks = lines.read(R"({"t": 1, "unit": "g", "a3": 0.5, "a4": [1, 2]})");
+  ASSERT_EQ(blocks.size(), 2U);
+  EXPECT_EQ(blocks[0].unit, "g");
+  EXPECT_EQ(blocks[1].unit, "g");
+  EXPECT_THROW(lines.read(R"({"t": 1, "unit": 3, "a3": 0.5})"), InvalidInput);
+}
+
 }  // namespace
 }  // namespace kalfem

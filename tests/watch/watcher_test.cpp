@@ -6,6 +6,7 @@
 #include "api/quarter_car.hpp"
 #include "kalfem/live/state_file.hpp"
 #include "kalfem/study/study.hpp"
+#include "kalfem/watch/change_lines.hpp"
 #include "kalfem/watch/playback.hpp"
 #include "live_case.hpp"
 
@@ -171,6 +172,32 @@ TEST(Watcher, NamesASensorThatDies) {
   EXPECT_GT(std::abs(trusting.estimate() - 3e6), 10.0 * trusting.std());
 }
 
+TEST(Watcher, TellsAWrongUnitOnceAndLeavesItOut) {
+  Watched watched;
+  watched.take({R"({"t": 0, "unit": "kg", "wheel": [1, 2]})", R"({"t": 0.004, "unit": "kg", "wheel": [1, 2]})"});
+  ASSERT_EQ(watched.complaints.size(), 1U);
+  EXPECT_THAT(watched.complaints[0], HasSubstr("'wheel' comes in 'kg'"));
+  EXPECT_EQ(watched.last()["bad_lines"], 2);
+  EXPECT_EQ(watched.last()["samples"], 0);
+}
+
+TEST(Watcher, TellsAlarmsAndKeepsATrend) {
+  const std::string alarms =
+      "alarms: {window: 0.5 s, reference: 10, memory: 10, level: 1 %, covariates: {warmth: {channel: T}}}";
+  Watched watched(live(alarms));
+  auto lines = lines_of(published(), 10);
+  for (auto& line : lines) line.insert(line.size() - 1, R"(,"T":[20])");
+  watched.take(lines);
+  EXPECT_TRUE(watched.complaints.empty());
+  const Json last = watched.last();
+  EXPECT_EQ(last["reference"]["windows"], 10);
+  EXPECT_EQ(last["changes"], Json::array());
+  ASSERT_NE(watched.watcher.monitor(), nullptr);
+  const auto table = trend_table(*watched.watcher.monitor());
+  EXPECT_THAT(table, HasSubstr("\n0,strut.k3,N/m^3,"));
+  EXPECT_EQ(Watched().watcher.monitor(), nullptr);
+}
+
 std::string refusal_of(const std::string& text) try {
   plan_of(text);
   return "";
@@ -189,6 +216,11 @@ TEST(LivePlan, RefusesWhatOnlyAWholeRecordAllows) {
                                                  HasSubstr("estimate.smooth needs a whole record")));
   EXPECT_THAT(refusal_of(live() + "simulate: {duration: 1 s, sample_rate: 500 Hz}\n"),
               HasSubstr("both `live` and `simulate`"));
+  EXPECT_THAT(refusal_of(live("alarms: {covariates: {warmth: {channel: wheel}}}")),
+              HasSubstr("live.alarms.covariates.warmth.channel is 'wheel', that of sensors.wheel"));
+  EXPECT_THAT(refusal_of(live("alarms: {window: 1 ms}")), HasSubstr("live.alarms.window is 0.5 samples"));
+  EXPECT_THAT(refusal_of(live("mqtt: {broker: localhost}")), HasSubstr("mqtt has neither topics nor publish"));
+  EXPECT_THAT(refusal_of(live("port: 5000, mqtt: {topics: [a]}")), HasSubstr("both `port` and `mqtt.topics`"));
   EXPECT_THAT(refusal_of(structure + "live: {sample_rate: 500 Hz}\n"), HasSubstr("`live` but no `estimate`"));
 }
 

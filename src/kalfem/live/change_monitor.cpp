@@ -115,7 +115,10 @@ void ChangeMonitor::close_window(double now, const Gaussian& end, const VectorXd
     return;
   }
   const auto told = window_information(*start_, walk, end);
-  test_.add(now - length, told, values, !suspects_);
+  const auto learning = suspects_                              ? ScatterLearning::none
+                        : test_.windows() < options_.reference ? ScatterLearning::fully
+                                                               : ScatterLearning::limited;
+  test_.add(now - length, told, values, learning);
   trend_.add(origin_ + now - length, told, values, test_);
   if (test_.windows() >= options_.reference) look_for_steps(now);
 }

@@ -46,14 +46,14 @@ MatrixXd ChangeTest::design(const Window& window) const {
   return design;
 }
 
-void ChangeTest::add(double start, WindowInformation told, const VectorXd& covariates, bool learns_scatter) {
+void ChangeTest::add(double start, WindowInformation told, const VectorXd& covariates, ScatterLearning learning) {
   if (count_ == 0) origin_ = covariates;
   ring_.push_back({start, std::move(told), covariates - origin_});
   if (ring_.size() > memory_) ring_.pop_front();
   ++count_;
   const Window& window = ring_.back();
   const MatrixXd x = design(window);
-  if (learns_scatter) learn_scatter(window, x);
+  if (learning != ScatterLearning::none) learn_scatter(window, x, learning);
   information_ += x.transpose() * window.told.information * x;
   weighted_ += x.transpose() * window.told.weighted;
   solve();
@@ -61,7 +61,7 @@ void ChangeTest::add(double start, WindowInformation told, const VectorXd& covar
 
 /// u = eta - Lambda X beta has the covariance S = Lambda + Lambda X A^-1 X' Lambda; the symmetric root of its inverse
 /// whitens it, in directions that do not turn from window to window.
-void ChangeTest::learn_scatter(const Window& window, const MatrixXd& x) {
+void ChangeTest::learn_scatter(const Window& window, const MatrixXd& x, ScatterLearning learning) {
   const MatrixXd& information = window.told.information;
   const VectorXd error = window.told.weighted - information * (x * solution_);
   const MatrixXd spread = information * x;
@@ -69,7 +69,11 @@ void ChangeTest::learn_scatter(const Window& window, const MatrixXd& x) {
   const double least = 1e-10 * eigen.eigenvalues().maxCoeff();
   const VectorXd scale =
       (eigen.eigenvalues().array() > least).select(eigen.eigenvalues().cwiseMax(least).cwiseSqrt().cwiseInverse(), 0.0);
-  const VectorXd white = eigen.eigenvectors() * scale.asDiagonal() * (eigen.eigenvectors().transpose() * error);
+  VectorXd white = eigen.eigenvectors() * scale.asDiagonal() * (eigen.eigenvectors().transpose() * error);
+  if (learning == ScatterLearning::limited) {
+    const double most = 3.0 * std::sqrt(std::max(1.0, squares_ / std::max(1.0, freedom_)));
+    white = white.cwiseMin(most).cwiseMax(-most);
+  }
   squares_ += white.squaredNorm();
   freedom_ += static_cast<double>((scale.array() > 0.0).count());
   products_ += white.dot(before_);

@@ -18,6 +18,13 @@ struct ParameterStep {
   double statistic = 0.0;                ///< square root of twice the logarithm of the likelihood ratio
 };
 
+/// How a window's prediction errors count in the scatter.
+enum class ScatterLearning {
+  fully,    ///< of the reference
+  limited,  ///< errors of more than three deviations as three: they may be a change that is not yet known
+  none      ///< a change is suspected
+};
+
 /// Generalised likelihood ratio of a step in one of p parameters (Willsky and Jones 1976; window-limited as in Lai
 /// 1995). The windows' own estimates y_w, with information Lambda_w, follow
 ///     y_w = a + sum_k B_k (c_kw - c_k0) + sum_s e_j(s) b_s [w >= tau_s] + noise,   noise ~ N(0, scatter Lambda_w^-1),
@@ -33,8 +40,8 @@ public:
   /// `level`, `effect`: prior deviations of a, p, and of B_k, one a covariate. `memory`: windows that tau goes back.
   ChangeTest(const Eigen::VectorXd& level, const Eigen::VectorXd& effect, int memory);
 
-  /// Takes a window that starts at a time [s]. `learns_scatter`: false while a change is suspected.
-  void add(double start, WindowInformation window, const Eigen::VectorXd& covariates, bool learns_scatter);
+  /// Takes a window that starts at a time [s].
+  void add(double start, WindowInformation window, const Eigen::VectorXd& covariates, ScatterLearning learning);
   [[nodiscard]] long windows() const { return count_; }
 
   /// For each parameter the most likely further step; statistic 0 where none can be told.
@@ -86,7 +93,7 @@ private:
 
   /// X_w, p x q.
   [[nodiscard]] Eigen::MatrixXd design(const Window& window) const;
-  void learn_scatter(const Window& window, const Eigen::MatrixXd& design);
+  void learn_scatter(const Window& window, const Eigen::MatrixXd& design, ScatterLearning learning);
   void solve();
 
   Eigen::Index parameters_;
