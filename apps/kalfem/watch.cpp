@@ -24,6 +24,7 @@ public:
   WatchOutput(const WatchArguments& arguments, bool names_cases)
       : as_influx_(arguments.format == "influx"), names_cases_(names_cases) {
     if (arguments.output.empty()) return;
+    file_name_ = arguments.output;
     file_.open(arguments.output, std::ios::app | std::ios::binary);
     if (!file_) fail_to_write(arguments.output, errno);
   }
@@ -33,6 +34,7 @@ public:
     const std::scoped_lock lock(lock_);
     if (file_.is_open()) {
       file_ << text << std::flush;
+      if (!file_) fail_to_write(file_name_, errno);
     } else {
       print("{}", text);
       require_output();
@@ -52,6 +54,7 @@ private:
   }
 
   bool as_influx_, names_cases_;
+  fs::path file_name_;
   std::ofstream file_;
   std::mutex lock_;
 };
@@ -98,7 +101,6 @@ private:
     WatchedCaseOptions options{.case_file = file.string(), .alone = false};
     if (!arguments.state.empty()) options.state = fs::path(arguments.state) / name;
     for (const auto& change : changes_of(arguments.changes)) options.changes.emplace_back(change.key, change.value);
-    options.changes.emplace_back("estimate.threads", "1");  // a core for each case, as far as there are cores
     if (!arguments.log.empty()) {
       fs::create_directories(arguments.log);
       options.log = (fs::path(arguments.log) / (name + ".log")).string();

@@ -28,6 +28,15 @@ std::vector<CaseChange> changes_of(const WatchedCaseOptions& options) {
   return changes;
 }
 
+/// The plan of a case among others: one thread for its filter, unless the case states more.
+LivePlan on_one_core(LivePlan plan) {
+  if (plan.problem.problem->settings.threads != 0) return plan;
+  auto problem = std::make_shared<EstimationProblem>(*plan.problem.problem);
+  problem->settings.threads = 1;
+  plan.problem.problem = std::move(problem);
+  return plan;
+}
+
 }  // namespace
 
 StreamSource::State MqttSource::read(int milliseconds, std::string& bytes) {
@@ -48,7 +57,7 @@ WatchedCase::WatchedCase(WatchedCaseOptions options, Say say, Tell tell)
       tell_(std::move(tell)),
       name_(fs::path(options_.case_file).stem().string()),
       study_(load_study(options_.case_file, changes_of(options_))),
-      plan_(make_live_plan(study_)),
+      plan_(options_.alone ? make_live_plan(study_) : on_one_core(make_live_plan(study_))),
       watcher_(
           plan_, [this](MessageKind kind, const std::string& line) { this->say(kind, line); },
           [this](const std::string& text) { tell_(text); }) {

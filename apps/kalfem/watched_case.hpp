@@ -25,7 +25,7 @@ struct WatchedCaseOptions {
   std::filesystem::path state;   ///< folder of what is kept; empty: as the case says, or beside it
   std::string log;               ///< file that keeps what comes in; empty: none
   std::optional<int> port = {};  ///< of TCP that lines are read from
-  bool alone = true;             ///< it may read standard input
+  bool alone = true;             ///< it may read standard input, and use every core; otherwise one
 };
 
 /// One live case from its source to its outputs: reads until the source ends or the command is asked to stop, keeps the

@@ -19,6 +19,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr std::size_t most_told = 100;  ///< names that are told once each
+
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 /// From the unit of the stream to SI.
@@ -60,7 +62,6 @@ void Watcher::take(std::string_view line) {
 
 /// The channel of a column; null where the case has none, which is told once.
 const LiveChannel* Watcher::channel_of(const StreamBlock& block) {
-  constexpr std::size_t most_told = 100;
   const auto found = std::ranges::find(plan_.channels, block.column, &LiveChannel::column);
   if (found != plan_.channels.end()) return &*found;
   if (unknown_columns_.size() < most_told && unknown_columns_.insert(block.column).second) {
@@ -77,7 +78,7 @@ std::optional<double> Watcher::known_factor(const StreamBlock& block, const Live
   return factor_of(block, channel);
 } catch (const InvalidInput& error) {
   ++bad_lines_;
-  if (wrong_units_.insert(block.column + " [" + block.unit + "]").second)
+  if (wrong_units_.size() < most_told && wrong_units_.insert(block.column + " [" + block.unit + "]").second)
     complain_("line " + std::to_string(lines_) + ": '" + block.column + "' comes in '" + block.unit +
               "': " + error.what() + "; what comes in it is left out");
   return {};
@@ -86,15 +87,21 @@ std::optional<double> Watcher::known_factor(const StreamBlock& block, const Live
 void Watcher::begin_at(double time) {
   origin_ = time;
   if (auto* monitor = queue_.steps().monitor()) monitor->set_origin(time);
+  for (const auto& early : std::exchange(early_, {}))
+    queue_.push_covariate(early.covariate, early.time - time, early.value);
 }
 
-/// Its values may be any time apart. Before the first sample of a sensor or an input they have no place.
+/// Its values may be any time apart. They wait for the first sample of a sensor or an input, which times count from.
 void Watcher::take_covariate(const StreamBlock& block, const LiveChannel& channel) {
-  if (!origin_) begin_at(block.time);
+  constexpr std::size_t most_waiting = 100'000;
   const double interval = block.interval > 0.0 ? block.interval : loop().step();
-  for (std::size_t i = 0; i < block.values.size(); ++i)
-    queue_.push_covariate(*channel.covariate, block.time - *origin_ + static_cast<double>(i) * interval,
-                          block.values[i]);
+  for (std::size_t i = 0; i < block.values.size(); ++i) {
+    const double time = block.time + static_cast<double>(i) * interval;
+    if (origin_)
+      queue_.push_covariate(*channel.covariate, time - *origin_, block.values[i]);
+    else if (early_.size() < most_waiting)
+      early_.push_back({*channel.covariate, time, block.values[i]});
+  }
 }
 
 void Watcher::take_block(const StreamBlock& block, const LiveChannel& channel) {
@@ -186,6 +193,11 @@ void Watcher::transfer(auto& self, auto& archive) {
   archive(self.told_events_);
   archive(self.told_alarms_);
   archive(self.told_day_);
+  archive.each(self.early_, [&](auto& early) {
+    archive(early.covariate);
+    archive(early.time);
+    archive(early.value);
+  });
 }
 
 void Watcher::keep(ArchiveWriter& archive) const {

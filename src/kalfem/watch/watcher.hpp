@@ -8,6 +8,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "kalfem/live/sample_queue.hpp"
 #include "kalfem/study/live_plan.hpp"
@@ -53,6 +54,12 @@ public:
   void take_up(ArchiveReader& archive) override;
 
 private:
+  /// Of a covariate, that came before the first sample.
+  struct EarlyValue {
+    std::size_t covariate = 0;
+    double time = 0.0, value = 0.0;
+  };
+
   void take_block(const StreamBlock& block, const LiveChannel& channel);
   void take_covariate(const StreamBlock& block, const LiveChannel& channel);
   [[nodiscard]] std::optional<double> known_factor(const StreamBlock& block, const LiveChannel& channel);
@@ -72,7 +79,8 @@ private:
   long every_;                    ///< samples between two lines of estimates
   std::int64_t lines_ = 0, logged_ = 0, bad_lines_ = 0;
   std::int64_t told_events_ = 0, told_alarms_ = 0;
-  double told_day_ = -1e300;               ///< start of the latest day whose trend has been told [s]
+  double told_day_ = -1e300;  ///< start of the latest day whose trend has been told [s]
+  std::vector<EarlyValue> early_;
   std::set<std::string> unknown_columns_;  ///< told once each
   std::set<std::string> wrong_units_;      ///< of a column, told once each
 };
