@@ -10,6 +10,7 @@
 #include "kalfem/base/interruption.hpp"
 #include "kalfem/base/output_folder.hpp"
 #include "kalfem/base/units.hpp"
+#include "kalfem/casefile/description.hpp"
 #include "kalfem/live/state_file.hpp"
 #include "kalfem/watch/change_lines.hpp"
 
