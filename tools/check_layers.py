@@ -27,7 +27,7 @@ ALLOWED = {
     "estimation": MOTION,
     "prediction": MOTION | {"reduction"},
     "modal": NUMERICS | {"records", "statistics"},
-    "updating": MOTION | {"reduction", "estimation", "prediction", "modal"},
+    "updating": MOTION | {"information", "reduction", "estimation", "prediction", "modal"},
     "correlation": MODEL | {"modal", "updating"},
     "distributed": NUMERICS,
     "yaml": {"base"},

@@ -83,6 +83,65 @@ FiniteElements read(const std::filesystem::path& file, const std::string& units,
   return elements;
 }
 
+/// A path, or a pair of path and the matrix's name in it.
+std::optional<NamedMatrixFile> matrix_file_of(const py::dict& given, const char* key) {
+  if (!given.contains(key) || given[key].is_none()) return {};
+  const py::object file = given[key];
+  if (!py::isinstance<py::tuple>(file)) return NamedMatrixFile{file.cast<std::filesystem::path>()};
+  const auto [path, name] = file.cast<std::pair<std::filesystem::path, std::string>>();
+  return NamedMatrixFile{path, name};
+}
+
+void add_factor(FiniteElementModel& model, const std::string& name, const py::dict& given, const UnitSystem& units) {
+  FactorMatrixFiles files{.stiffness = matrix_file_of(given, "stiffness"),
+                          .mass = matrix_file_of(given, "mass"),
+                          .damping = matrix_file_of(given, "damping"),
+                          .units = units};
+  double value = 1.0;
+  for (const auto& [key, each] : given) {
+    const auto argument = key.cast<std::string>();
+    if (argument == "dofs")
+      files.dof_map = each.cast<std::filesystem::path>();
+    else if (argument == "directions")
+      files.directions = each.cast<int>();
+    else if (argument == "value")
+      value = each.cast<double>();
+    else if (argument != "stiffness" && argument != "mass" && argument != "damping")
+      throw InvalidInput(entry_of("factors", name) + ": '" + argument + "' is given" +
+                             did_you_mean(argument, {"stiffness", "mass", "damping", "dofs", "directions", "value"}),
+                         "", "give stiffness, mass, damping, dofs, directions or value");
+  }
+  add_matrix_factor(model, name, files, value);
+}
+
+FiniteElements read_matrix_files(const std::vector<std::filesystem::path>& files,
+                                 const std::optional<std::filesystem::path>& dofs, int directions,
+                                 const std::string& name, const py::dict& nodes, const py::dict& factors,
+                                 const std::optional<std::filesystem::path>& coordinates, const std::string& units) {
+  const UnitSystem system = units_of(units);
+  Deck deck = read_matrix_deck({.sets = {{.files = files, .dof_map = dofs, .directions = directions}},
+                                .coordinates = coordinates,
+                                .units = system});
+  IssueList issues;
+  for (const auto& [key, each] : factors) try {
+      add_factor(deck.model, key.cast<std::string>(), each.cast<py::dict>(), system);
+    } catch (const InvalidInput& error) {
+      issues.add(error, {});
+    }
+  issues.raise();
+  FiniteElements elements(name, std::move(deck.model));
+  for (const auto& [key, where] : nodes) name_node(elements, key.cast<std::string>(), where);
+  return elements;
+}
+
+FactorOf factor_of_named(const std::string& what) {
+  if (what == "stiffness") return FactorOf::stiffness;
+  if (what == "mass") return FactorOf::mass;
+  if (what == "both") return FactorOf::both;
+  throw InvalidInput("of: '" + what + "' is given" + did_you_mean(what, {"stiffness", "mass", "both"}), "",
+                     "give stiffness, mass or both");
+}
+
 py::list notes_of(const std::filesystem::path& file) {
   py::list notes;
   for (const auto& note : read_deck(file).notes)
@@ -232,6 +291,23 @@ region : str
           "fix", [](FiniteElements self, const std::string& node) { return self.fix(node); }, py::arg("node"),
           "Hold all six motions of a named node.")
       .def(
+          "factor",
+          [](FiniteElements self, const std::string& name, const std::vector<std::string>& elements,
+             const std::string& of, double value) { return self.factor(name, elements, factor_of_named(of), value); },
+          py::arg("name"), py::arg("elements"), py::kw_only(), py::arg("of") = "stiffness", py::arg("value") = 1.0,
+          R"(Give elements a factor, the parameter ``frame.west.factor``.
+
+Parameters
+----------
+name : str
+elements : list of str
+    Sets of elements, regions, materials, or numbers of elements, ``"101-250"``.
+of : {"stiffness", "mass", "both"}
+    What of the elements it multiplies.
+value : float
+    Of the factor in the structure as given.
+)")
+      .def(
           "modal_damping",
           [](FiniteElements self, const py::object& ratios, double up_to) {
             return self.modal_damping(ratios_of(ratios), up_to);
@@ -306,6 +382,36 @@ subcase : int, optional
 mass_matrix : {"consistent", "lumped"}, optional
     In the place of what the deck says. Lumped beams of Nastran have no mass at their rotations; a simulation of the
     full model needs one there.
+)");
+  module.def("read_matrices", &read_matrix_files, py::arg("files"), py::kw_only(), py::arg("dofs") = py::none(),
+             py::arg("directions") = 0, py::arg("name") = "matrices", py::arg("nodes") = py::dict(),
+             py::arg("factors") = py::dict(), py::arg("coordinates") = py::none(), py::arg("units") = "m kg s",
+             R"(A substructure from stiffness and mass matrices of another code, and factors of its parts.
+
+Parameters
+----------
+files : list of path
+    Matrix Market, OP4, DMIG, HDF5, MATLAB and so on. Which is stiffness, mass and damping follows from the usual names.
+dofs : path, optional
+    Degrees of freedom of the rows, where the files do not say them: ``node.direction`` or nodes alone, one a line.
+directions : int
+    Directions per node, where `dofs` lists nodes alone: 3 or 6.
+name : str
+    Of the substructure.
+nodes : dict of str to int or (x, y, z)
+    Names of nodes.
+factors : dict of str to dict
+    K = K_0 + sum a_i K_i, M and C likewise: the files ``stiffness``, ``mass``, ``damping`` of each (a path, or path and
+    name of the matrix), ``value`` (1), and ``dofs``, ``directions`` where its rows are not those of `files`. Each is the
+    parameter ``name.factor_name.factor``.
+coordinates : path, optional
+    Table (CSV) with node, x, y, z.
+units : str
+    Of all files, ``"mm t s"``.
+
+Examples
+--------
+>>> bridge = kf.read_matrices(["K0.mtx", "M0.mtx"], dofs="rows.dof", factors={"piers": {"stiffness": "K1.mtx"}})  # doctest: +SKIP
 )");
   module.def("deck_notes", &notes_of, py::arg("file"),
              "What a deck holds and the model does not use: tuples of kind, what, consequence, count and place.");

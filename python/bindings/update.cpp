@@ -277,6 +277,11 @@ py::dict summary_of(const UpdateResult& result) {
     comparisons[py::str(name)] = entry;
   }
   updating["comparisons"] = comparisons;
+  py::dict before;
+  before["undetermined"] = result.before.undetermined;
+  before["groups"] = result.before.groups;
+  before["hold"] = result.before.hold;
+  updating["before"] = before;
   if (!result.stated_numbers.empty()) updating["considered"] = considered_of(result);
   summary["title"] = "update";
   summary["status"] = result.usable() ? "ok" : "unusable";
@@ -301,6 +306,8 @@ py::tuple update_structure(const Structure& structure, const py::dict& arguments
   data.add("updating/frequencies/measured", measured, "Hz");
   data.add("updating/frequencies/before", before, "Hz");
   data.add("updating/frequencies/after", after, "Hz");
+  if (result.before.sensitivities.size() > 0)
+    data.add("updating/frequencies/sensitivities", result.before.sensitivities, "-");
   return py::make_tuple(summary_of(result), data.take());
 }
 

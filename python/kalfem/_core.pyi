@@ -90,6 +90,14 @@ class FiniteElements:
         modes: int | None = None,
         method: str = "craig_bampton",
     ) -> FiniteElements: ...
+    def factor(
+        self,
+        name: str,
+        elements: Sequence[str],
+        *,
+        of: Literal["stiffness", "mass", "both"] = ...,
+        value: float = ...,
+    ) -> FiniteElements: ...
     def natural_frequencies(self, count: int = 10) -> NDArray[np.float64]: ...
     def write_vtu(self, file: str, fields: Mapping[str, ArrayLike] = ...) -> None: ...
     @property
@@ -108,6 +116,17 @@ def read_deck(
     accept: Sequence[str] = ...,
     subcase: int | None = ...,
     mass_matrix: Literal["consistent", "lumped"] | None = ...,
+) -> FiniteElements: ...
+def read_matrices(
+    files: Sequence[Any],
+    *,
+    dofs: Any = ...,
+    directions: int = ...,
+    name: str = ...,
+    nodes: Mapping[str, int | Sequence[float]] = ...,
+    factors: Mapping[str, Mapping[str, Any]] = ...,
+    coordinates: Any = ...,
+    units: str = "m kg s",
 ) -> FiniteElements: ...
 def deck_notes(file: Any) -> list[tuple[str, str, str, int, str]]: ...
 def write_updated_deck(

@@ -15,7 +15,7 @@ import inspect
 import numpy as np
 
 _CLASSES = ("Structure", "Lumped", "FiniteElements")
-_FACTORIES = ("lumped", "chain", "read_deck")
+_FACTORIES = ("lumped", "chain", "read_deck", "read_matrices")
 
 
 class Recipe:

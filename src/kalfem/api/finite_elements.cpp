@@ -7,6 +7,7 @@
 #include "kalfem/api/finite_element_substructure.hpp"
 #include "kalfem/model/gauges/gauge_placement.hpp"
 #include "kalfem/model/linear_model.hpp"
+#include "kalfem/model/part_factors.hpp"
 
 namespace kalfem {
 
@@ -42,6 +43,9 @@ bool set_in_model(FiniteElementModel& model, const std::string& number, double v
     if (auto* shell = std::get_if<ShellProperty>(&property->second); shell && quantity == "thickness")
       return shell->thickness = value, true;
   bool any = false;
+  if (quantity == "factor")
+    for (auto& factor : model.factors)
+      if (factor.name == owner) factor.value = value, any = true;
   if (quantity == "mass")
     for (auto& mass : model.masses)
       if (mass.name == owner) mass.mass = value, any = true;
@@ -216,6 +220,12 @@ FiniteElements& FiniteElements::gauge(GaugeDescription gauge) {
 
 FiniteElements& FiniteElements::fix(const std::string& node) {
   fixed_.push_back(node);
+  return *this;
+}
+
+FiniteElements& FiniteElements::factor(const std::string& name, const std::vector<std::string>& elements, FactorOf of,
+                                       double value) {
+  add_element_factor(model_, name, elements, of, value);
   return *this;
 }
 

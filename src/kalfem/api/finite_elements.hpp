@@ -33,6 +33,11 @@ public:
   FiniteElements& gauge(GaugeDescription gauge);
   /// Holds all six motions of a named node.
   FiniteElements& fix(const std::string& node);
+  /// Gives elements a factor of their stiffness or mass, the parameter "frame.west.factor". `elements`: names of sets,
+  /// regions or materials, or numbers such as "101-250". Throws InvalidInput where one means no element, or the name is
+  /// that of another factor. Factors of matrices: add_matrix_factor() of kalfem::formats.
+  FiniteElements& factor(const std::string& name, const std::vector<std::string>& elements,
+                         FactorOf of = FactorOf::stiffness, double value = 1.0);
   /// Damping ratios, one per mode; the last one applies to all further modes up to a frequency [Hz].
   FiniteElements& modal_damping(std::vector<double> ratios, double up_to);
   /// C = alpha M + beta K, alpha [1/s], beta [s].

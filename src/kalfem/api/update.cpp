@@ -9,8 +9,10 @@
 #include "kalfem/api/update_comparisons.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/diagnosis/judge_updating.hpp"
+#include "kalfem/identification/factor_bounds.hpp"
 #include "kalfem/identification/parameterised_structure.hpp"
 #include "kalfem/identification/stated_in_updating.hpp"
+#include "kalfem/updating/first_information.hpp"
 #include "kalfem/updating/gauss_newton.hpp"
 #include "kalfem/updating/modal_residual.hpp"
 #include "kalfem/updating/parameter_interval.hpp"
@@ -72,6 +74,14 @@ Refined refined(const StructureModel& structure, const UpdateOptions& options) {
   return made;
 }
 
+/// Throws InvalidInput with every factor that makes stiffness or mass indefinite at a bound.
+void require_definite(const StructurePtr& structure, const Refined& refined) {
+  IssueList issues;
+  for (const auto& [name, issue] : indefinite_at_bounds(structure, {refined.parameters, refined.bindings, {}}))
+    issues.add({}, "parameters: '" + name + "': " + issue.what, issue.why, issue.fix);
+  issues.raise();
+}
+
 std::vector<std::string> names_of_parameters(const UpdateOptions& options) {
   std::vector<std::string> names;
   for (const auto& parameter : options.parameters) names.push_back(parameter.name);
@@ -116,7 +126,7 @@ LeastSquaresOutcome search(const std::vector<MadeComparison>& comparisons,
 
 /// The residual at the initial values. Throws InvalidInput where there is none, and with every parameter that no
 /// comparison depends on.
-VectorXd first_values(const ResidualSum& residual, const std::vector<UpdatingParameter>& parameters) {
+ResidualValue first_values(const ResidualSum& residual, const std::vector<UpdatingParameter>& parameters) {
   const auto first = residual.evaluate(initial_values(parameters), true);
   if (!first)
     throw InvalidInput("parameters: the model has no response at the initial values",
@@ -127,7 +137,32 @@ VectorXd first_values(const ResidualSum& residual, const std::vector<UpdatingPar
                "a measurement must depend on a parameter to identify it",
                "remove it, or compare with a measurement that depends on it");
   issues.raise();
-  return first->values;
+  return *first;
+}
+
+/// What the comparisons tell before the updating.
+UpdateResult::Before before_updating(const std::vector<MadeComparison>& comparisons,
+                                     const std::vector<UpdatingParameter>& parameters, const ResidualValue& first) {
+  std::vector<ComparedResidual> compared;
+  for (const auto& each : comparisons) compared.push_back({each.name, each.continuation.back(), each.weight});
+  const FirstInformation found = first_information(parameters, first, compared);
+  UpdateResult::Before before{.undetermined = found.remarks};
+  const auto names_of = [&](const std::vector<Index>& members) {
+    std::vector<std::string> names;
+    for (const Index i : members) names.push_back(parameters[static_cast<std::size_t>(i)].name);
+    return names;
+  };
+  for (const auto& group : found.proposal.groups) before.groups.push_back(names_of(group));
+  before.hold = names_of(found.proposal.hold);
+  Index modes = 0;
+  for (const auto& each : found.frequencies) modes += each.relative.rows();
+  before.sensitivities.resize(modes, std::ssize(parameters));
+  Index row = 0;
+  for (const auto& each : found.frequencies) {
+    before.sensitivities.middleRows(row, each.relative.rows()) = each.relative;
+    row += each.relative.rows();
+  }
+  return before;
 }
 
 /// Rms of each comparison, without its weight, and the frequencies of its modes.
@@ -252,11 +287,12 @@ UpdateResult update(const Structure& structure, const UpdateOptions& options) {
   const auto model = make_structure_model(structure.description(), {.parameters = std::move(used)});
   const Refined found = refined(*model, options);
   const auto& [parameters, bindings] = found;
+  require_definite(model, found);
   const auto comparisons = make_comparisons(
       structure, model, std::make_shared<const ParameterisedStructure>(model, bindings, std::ssize(parameters)),
       parameters, options);
   const VectorXd start = initial_values(parameters);
-  const VectorXd first = first_values(sum_of(comparisons, std::numeric_limits<std::size_t>::max()), parameters);
+  const ResidualValue first = first_values(sum_of(comparisons, std::numeric_limits<std::size_t>::max()), parameters);
   const auto stated = stated_of(*model, comparisons, options);
   auto outcome = search(comparisons, parameters, options);
   const auto considered = considered_at_end(structure, model, found, stated, outcome, options);
@@ -274,9 +310,9 @@ UpdateResult update(const Structure& structure, const UpdateOptions& options) {
     outcome.residual.values = considered->residual;
     result.stated_numbers = told(stated, *considered);
   }
-  const VectorXd last = outcome.residual.values.size() > 0 ? outcome.residual.values : first;
+  const VectorXd last = outcome.residual.values.size() > 0 ? outcome.residual.values : first.values;
   judge(comparisons, parameters, outcome, considered,
-        compare(comparisons, start, first, outcome.parameters, last, result), result);
+        compare(comparisons, start, first.values, outcome.parameters, last, result), result);
   return result;
 }
 

@@ -147,7 +147,18 @@ struct UpdateResult {
       double lower = std::numeric_limits<double>::quiet_NaN(), upper = lower;
     } interval_95 = {};
   };
+  /// What the comparisons tell at the initial values.
+  struct Before {
+    /// d ln f / d ln parameter, a row for each of `frequencies`, a column for each parameter; of a parameter that is 0
+    /// per width of its bounds.
+    Eigen::MatrixXd sensitivities = {};
+    std::vector<std::string> undetermined = {};         ///< combinations of parameters, one sentence each
+    std::vector<std::vector<std::string>> groups = {};  ///< whose members one change would move, and then all would be
+                                                        ///< determined; of one member: it stays as it is
+    std::vector<std::string> hold = {};                 ///< parameters to leave out
+  };
   std::vector<Parameter> parameters;
+  Before before = {};
   std::vector<FrequencyComparison> frequencies;   ///< of all comparisons of modes, in their order
   std::vector<ComparisonFit> comparisons;         ///< "frequencies", if given, then those of the options
   std::vector<StatedNumber> stated_numbers = {};  ///< of which UpdateOptions::known_to says something

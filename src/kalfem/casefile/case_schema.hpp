@@ -13,6 +13,8 @@ Schema<Points> points(const std::string& short_name);
 Schema<ChannelPreparation> channel_preparation();
 
 Schema<FiniteElements> finite_elements();
+/// A factor of a part of a finite-element substructure.
+Schema<Factor> part_factor();
 Schema<Reduction> reduction();
 Schema<Substructure> substructure();
 Schema<Excitation> excitation();

@@ -13,6 +13,7 @@
 #include "kalfem/base/units.hpp"
 #include "kalfem/formats/deck.hpp"
 #include "kalfem/identification/finite_element_part.hpp"
+#include "kalfem/model/finite_element_model.hpp"
 #include "kalfem/model/mesh/properties.hpp"
 #include "kalfem/model/unit_system.hpp"
 
@@ -120,6 +121,26 @@ struct MatrixFiles {
   std::optional<Located<std::filesystem::path>> coordinates;
   UnitSystem units;
 };
+/// A matrix by its file, and by its name where the file holds several.
+struct FactorMatrix {
+  std::filesystem::path file;
+  std::string name;
+};
+/// Matrices that a factor multiplies.
+struct MatricesOfFactor {
+  std::optional<FactorMatrix> stiffness, mass, damping;
+  std::optional<Located<std::filesystem::path>> dofs;
+  int directions = 0;
+};
+/// Elements that a factor multiplies.
+struct ElementsOfFactor {
+  std::vector<Name> elements;
+  FactorOf of = FactorOf::stiffness;
+};
+struct Factor {
+  std::variant<MatricesOfFactor, ElementsOfFactor> part;
+  double value = 1.0;
+};
 /// A turn about an axis through a point, by the right-hand rule.
 struct Turn {
   std::array<double, 3> axis{};   ///< direction, of any length but 0
@@ -137,6 +158,7 @@ struct FiniteElements {
   Named<NodeMass> masses;
   Named<Link> links;
   Named<Fixed> fixed;
+  Named<Located<Factor>> factors;
   std::optional<MassKind> mass_matrix;
 
   /// Place of the file (the first one) in the case.

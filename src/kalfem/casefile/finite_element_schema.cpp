@@ -260,6 +260,9 @@ Schema<FiniteElements> finite_elements() {
           .optional("masses", &FiniteElements::masses, named(node_mass()), "rigid bodies (point masses) at nodes")
           .optional("links", &FiniteElements::links, named(link()), "rigid links (RBE2)")
           .optional("fixed", &FiniteElements::fixed, named(fixed()), "supports: nodes that do not move")
+          .optional("factors", &FiniteElements::factors, named(located(part_factor())),
+                    "dimensionless factors of parts, K = K_0 + sum a_i K_i, M and C likewise; each is the parameter "
+                    "substructure.name.factor, to be updated or estimated")
           .optional("mass_matrix", &FiniteElements::mass_matrix,
                     choice<MassKind>({{"consistent", MassKind::consistent, "consistent mass matrix"},
                                       {"lumped", MassKind::lumped, "lumped (diagonal) mass matrix"}}),

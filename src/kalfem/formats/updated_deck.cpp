@@ -149,6 +149,9 @@ void Rewriting::take(const DeckValue& value) {
   if (!present && (quantity == "axial" || quantity == "torsion" || quantity.starts_with("bending")))
     return leave_at_once("a factor of one motion of beams is no number of their card",
                          "multiply A, I1, I2 or J by hand where mass does not depend on them");
+  if (!present && quantity == "factor")
+    return leave_at_once("a factor multiplies elements or matrices, not a field of a card",
+                         "give these elements a material of their own and multiply its modulus by hand");
   if (!present) return leave_at_once("no card of the deck holds it: it is of the case", "add it to the deck by hand");
   changes_.erase(value.parameter);  // the last one counts
   if (quantity == "poissons_ratio" && value.value != *present)

@@ -49,7 +49,8 @@ ParameterSet::ParameterSet(const StructureModel& structure) {
   add_finite_elements(structure, parameters_);
   for (const auto& parameter : parameters_) names_.push_back(parameter.name);
   for (const auto& each : structure.finite_elements)
-    for (const auto& asked : {beam_factors(each.part->elements), mass_offsets(each.part->elements)})
+    for (const auto& asked :
+         {beam_factors(each.part->elements), mass_offsets(each.part->elements), part_factors(each.part->elements)})
       for (const auto& [factor, value] : asked)
         if (const std::string name = each.part->name + "." + factor; !find(name)) names_.push_back(name);
 }

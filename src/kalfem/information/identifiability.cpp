@@ -211,7 +211,7 @@ private:
       combination.words = combination.determined ? determined(combination) : undetermined(combination);
     for (const auto& combination : result_.combinations)
       if (!combination.determined) result_.text += (result_.text.empty() ? "" : " ") + combination.words;
-    if (result_.text.empty()) result_.text = "The record determines every parameter.";
+    if (result_.text.empty()) result_.text = fmt::format("The {} determines every parameter.", options_.data);
   }
 
   [[nodiscard]] std::vector<std::string> names_of(const ParameterCombination& combination) const {
@@ -221,11 +221,12 @@ private:
   [[nodiscard]] std::string determined(const ParameterCombination& combination) const {
     const auto names = names_of(combination);
     if (names.size() == 1)
-      return fmt::format("The record determines {} to {:.2g} of its {}.", names.front(), combination.deviation, unit());
+      return fmt::format("The {} determines {} to {:.2g} of its {}.", options_.data, names.front(),
+                         combination.deviation, unit());
     if (!combination.exponents.empty())
-      return fmt::format("The record determines {}.", product(combination.exponents, result_.parameters));
-    return fmt::format("The record determines a combination of {} to {:.2g} {}s.", joined(names), combination.deviation,
-                       unit());
+      return fmt::format("The {} determines {}.", options_.data, product(combination.exponents, result_.parameters));
+    return fmt::format("The {} determines a combination of {} to {:.2g} {}s.", options_.data, joined(names),
+                       combination.deviation, unit());
   }
 
   [[nodiscard]] std::string undetermined(const ParameterCombination& combination) const {
@@ -234,9 +235,9 @@ private:
     const bool nothing = std::isinf(combination.deviation);
     if (is_common_factor(combination, names.size()))
       return fmt::format(
-          "Only {} determined: the record {} when {} are multiplied by the same factor.",
+          "Only {} determined: the {} {} when {} are multiplied by the same factor.",
           names.size() == 2 ? names[0] + " / " + names[1] + " is" : "ratios of " + joined(names) + " are",
-          nothing ? "does not change" : "hardly changes", names.size() == 2 ? "both" : "all");
+          options_.data, nothing ? "does not change" : "hardly changes", names.size() == 2 ? "both" : "all");
     const std::string by = nothing ? "without any limit" : fmt::format("by {:.2g} {}s", combination.deviation, unit());
     return fmt::format("{} cannot be told apart: they may move together {}.", joined(names), by);
   }
@@ -253,8 +254,8 @@ private:
     Index i = 0;
     combination.direction.cwiseAbs().maxCoeff(&i);
     const auto& name = result_.parameters[static_cast<std::size_t>(i)].name;
-    const std::string start =
-        fmt::format("The record says {} of {}", std::isinf(combination.deviation) ? "nothing" : "little", name);
+    const std::string start = fmt::format("The {} says {} of {}", options_.data,
+                                          std::isinf(combination.deviation) ? "nothing" : "little", name);
     const double left = result_.posterior_deviation[i] / result_.scale[i];
     const std::string why = "the excitation is too weak for it, no sensor sees it, or another parameter acts alike";
     if (prior_[i] > 0.0)

@@ -19,6 +19,7 @@ struct IdentifiabilityOptions {
   double significant = 0.1;      ///< share of a combination below which a parameter is not named, to its largest
   int largest_exponent = 3;      ///< numerator and denominator of exponents that are recognised
   double exponent_error = 0.05;  ///< of such an exponent
+  std::string data = "record";   ///< that the information is of, in sentences
 };
 
 /// A direction in the scaled parameters q_i = (theta_i - value_i) / scale_i that the record informs independently of

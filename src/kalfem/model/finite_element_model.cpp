@@ -34,6 +34,7 @@ public:
     check_springs();
     check_joints();
     check_matrices();
+    check_factors();
     check_links();
     check_constraints();
     check_supports();
@@ -63,6 +64,7 @@ private:
   void check_springs();
   void check_joints();
   void check_matrices();
+  void check_factors();
   void check_links();
   void check_constraints();
   void check_supports();
@@ -375,6 +377,28 @@ void Validator::check_matrices() {
       if (!(difference.norm() <= 1e-9 * matrix->norm()))
         add(title + " is not symmetric, or not finite", "stiffness, mass and damping must be symmetric and finite");
     }
+  }
+}
+
+// A factor without a part would have no effect, and one of a part that does not exist hides a mistake.
+void Validator::check_factors() {
+  check_names(model_.factors, "factor");
+  std::set<std::string> of_matrices;
+  for (const auto& item : model_.matrices) {
+    if (item.factor.empty()) continue;
+    of_matrices.insert(item.factor);
+    if (std::ranges::find(model_.factors, item.factor, &PartFactor::name) == model_.factors.end())
+      add("matrix '" + item.name + "' has the factor '" + item.factor + "', which the model does not have",
+          "its value is not known", "add it to the factors of the model");
+  }
+  for (const auto& factor : model_.factors) {
+    const std::string title = "factor '" + factor.name + "'";
+    if (!std::isfinite(factor.value)) add(title + " has no finite value", "it multiplies matrices");
+    if (factor.cells.empty() && !of_matrices.contains(factor.name))
+      add(title + " multiplies neither elements nor matrices", "it would have no effect", "remove it");
+    const auto exists = [&](Eigen::Index cell) { return cell >= 0 && cell < std::ssize(mesh_.cells); };
+    if (!std::ranges::all_of(factor.cells, exists))
+      add(title + " has an element that does not exist", "a factor must list elements of the mesh");
   }
 }
 

@@ -66,7 +66,22 @@ struct NodalMatrices {
   std::string name;
   std::vector<NodalDof> dofs;
   Eigen::SparseMatrix<double> stiffness, mass,
-      damping;  ///< dofs x dofs, symmetric, both triangles
+      damping;              ///< dofs x dofs, symmetric, both triangles
+  std::string factor = {};  ///< name of the PartFactor that multiplies them; empty: none
+};
+
+/// Which matrices of its elements a factor multiplies.
+enum class FactorOf { stiffness, mass, both };
+
+/// A dimensionless factor a of a part of the model, the parameter "<name>.factor":
+///     K = K_0 + a K_i,   M = M_0 + a M_i,   C = C_0 + a C_i.
+/// The part is the elements of `cells` and every NodalMatrices that bears the factor's name. An element in the parts of
+/// several factors is multiplied by each. Stresses are those of the elements without the factor.
+struct PartFactor {
+  std::string name;
+  double value = 1.0;
+  std::vector<Eigen::Index> cells = {};
+  FactorOf of = FactorOf::stiffness;  ///< what of the elements it multiplies
 };
 
 /// Nodes that move as one rigid body with their master (RBE2).
@@ -120,6 +135,7 @@ struct FiniteElementModel {
   std::vector<NodalSpring> springs;
   std::vector<JointSpring> joints;
   std::vector<NodalMatrices> matrices;
+  std::vector<PartFactor> factors;
   std::vector<RigidLink> links;
   std::vector<WeightedLink> weighted_links;
   std::vector<MultiPointConstraint> constraints;

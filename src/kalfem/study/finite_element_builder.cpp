@@ -8,6 +8,7 @@
 #include "kalfem/formats/gmsh/gmsh.hpp"
 #include "kalfem/model/gauges/gauge_placement.hpp"
 #include "kalfem/model/mesh/split_quadratic_shells.hpp"
+#include "kalfem/model/part_factors.hpp"
 #include "kalfem/model/placement.hpp"
 #include "kalfem/model/unit_system.hpp"
 #include "kalfem/study/assembly.hpp"
@@ -64,6 +65,37 @@ std::array<bool, 6> chosen(const std::vector<std::string>& directions) {
   return result;
 }
 
+MatrixDeckFiles matrix_files(const d::MatrixFiles& given) {
+  MatrixDeckFiles files{.sets = {}, .units = given.units};
+  if (given.coordinates) files.coordinates = given.coordinates->value;
+  for (const auto& each : given.sets) {
+    MatrixSetFiles set{.files = {},
+                       .stiffness = each.stiffness,
+                       .mass = each.mass,
+                       .damping = each.damping,
+                       .directions = each.directions,
+                       .where = each.files.front().location};
+    for (const auto& file : each.files) set.files.push_back(file.value);
+    if (each.dofs) set.dof_map = each.dofs->value;
+    files.sets.push_back(std::move(set));
+  }
+  return files;
+}
+
+FactorMatrixFiles factor_files(const d::MatricesOfFactor& given, const UnitSystem& units) {
+  const auto named = [](const std::optional<d::FactorMatrix>& each) -> std::optional<NamedMatrixFile> {
+    if (!each) return {};
+    return NamedMatrixFile{each->file, each->name};
+  };
+  FactorMatrixFiles files{.stiffness = named(given.stiffness),
+                          .mass = named(given.mass),
+                          .damping = named(given.damping),
+                          .directions = given.directions,
+                          .units = units};
+  if (given.dofs) files.dof_map = given.dofs->value;
+  return files;
+}
+
 template <class Map>
 std::vector<std::string> names_of(const Map& map) {
   std::vector<std::string> names;
@@ -82,6 +114,7 @@ public:
   NamedElements build() {
     read_source();
     add_properties();
+    add_factors();
     place_source();
     const auto split = centres_of_split_elements();
     replace_quadratic(model_);
@@ -166,7 +199,7 @@ private:
   }
 
   void read(const d::MatrixFiles& files) {
-    Deck deck = matrices_as_deck(files);
+    Deck deck = read_matrix_deck(matrix_files(files));
     model_ = std::move(deck.model);
     notes_ = std::move(deck.notes);
     has_places_ = files.coordinates.has_value();
@@ -200,6 +233,29 @@ private:
       else
         model_.properties[name] = property_of(region);
     }
+  }
+
+  /// Factors of elements and of matrices. Matrices are in the units of the deck or of the other matrices.
+  void add_factors() {
+    for (const auto& [name, factor] : fe_.factors) try {
+        if (const auto* elements = std::get_if<d::ElementsOfFactor>(&factor.value.part)) {
+          std::vector<std::string> names;
+          for (const auto& each : elements->elements) names.push_back(each.value);
+          add_element_factor(model_, name, names, elements->of, factor.value.value);
+        } else {
+          const auto& matrices = std::get<d::MatricesOfFactor>(factor.value.part);
+          add_matrix_factor(model_, name, factor_files(matrices, units_of_source()), factor.value.value);
+        }
+      } catch (const InvalidInput& error) {
+        for (const auto& issue : error.issues())
+          issues_.add(factor.location, factor.path + ": " + issue.what, issue.why, issue.fix);
+      }
+  }
+
+  [[nodiscard]] UnitSystem units_of_source() const {
+    if (const auto* deck = std::get_if<d::DeckFile>(&fe_.source)) return deck->units;
+    if (const auto* matrices = std::get_if<d::MatrixFiles>(&fe_.source)) return matrices->units;
+    return {};
   }
 
   /// For a deck, the case may only replace materials that the deck has: any other name would have no effect.

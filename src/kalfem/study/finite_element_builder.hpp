@@ -38,11 +38,4 @@ struct NamedElements {
 NamedElements build_finite_elements(const std::string& name, const description::Substructure& given,
                                     const UsedGroups& used, DeckFiles& decks);
 
-/// Turns matrices of another code into a model without elements. Each node of that code becomes a node, at its
-/// coordinates or, if the case gives none, at the origin; NodalMatrices in SI join the nodes. Sets that name a degree
-/// of freedom of one node number both are joined there. A generalised coordinate becomes the motion x of a node of its
-/// own, numbered beyond all others; a further copy of a node does too. Throws InvalidInput with every problem and its
-/// place.
-Deck matrices_as_deck(const description::MatrixFiles& files);
-
 }  // namespace kalfem

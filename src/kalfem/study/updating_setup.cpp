@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "kalfem/identification/factor_bounds.hpp"
 #include "kalfem/identification/stated_in_updating.hpp"
 #include "kalfem/study/estimation_problem_of.hpp"
 #include "kalfem/study/known_to_of.hpp"
@@ -236,6 +237,10 @@ UpdatingSetup make_updating_setup(const CaseStudy& study, IssueList& issues) {
                "give at least one comparison");
   check_comparisons(study, issues);
   check_search(study, setup, issues);
+  if (issues.empty())
+    for (const auto& [parameter, issue] : indefinite_at_bounds(study.structure, setup))
+      issues.add(study.given.source.at({"update", "parameters", parameter}),
+                 "update.parameters." + parameter + ": " + issue.what, issue.why, issue.fix);
   return setup;
 }
 

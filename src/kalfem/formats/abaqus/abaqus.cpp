@@ -154,7 +154,7 @@ void build_model(const RawDeck& raw, bool with_ledger, DeckNotes& notes, Problem
   read_boundaries(deck, axes, supports, motions);
   problems.raise();
   motions.store();
-  deck.store_node_sets();
+  deck.store_sets();
   result.load_cases = read_load_cases(raw, deck, axes, supports, model);
   take_preload(raw, result);
   note_steps(raw, notes, problems);

@@ -134,8 +134,8 @@ public:
   [[nodiscard]] bool has_matrices() const { return !raw_.matrices.empty(); }
   /// Whether the deck was written for Abaqus; otherwise it is taken for one of CalculiX.
   [[nodiscard]] bool of_abaqus() const { return raw_.from_abaqus; }
-  /// Copies all sets of nodes but internal ones to the mesh.
-  void store_node_sets();
+  /// Copies all sets of nodes and of elements but internal ones to the mesh.
+  void store_sets();
 
   DeckNotes& notes;
   Problems& problems;
@@ -158,6 +158,7 @@ private:
   const std::vector<Index>& flattened(Sets sets, const Found& found, const SetReference& reference);
   void append(Sets sets, const RawSet::Piece& piece, int place, std::vector<Index>& members);
   void append_range(Sets sets, const RawSet::Range& range, int place, std::vector<Index>& members);
+  [[nodiscard]] std::vector<Index> cells_of(const std::vector<Index>& positions) const;
   void append_nodes_of(const SetReference& element_set, int place, std::vector<Index>& members);
   std::vector<std::string> known_names(Sets sets) const;
   [[nodiscard]] const LabelIndex& index_of(Sets sets, int place) const {

@@ -183,13 +183,26 @@ std::vector<std::string> PlacedDeck::known_names(Sets sets) const {
   return names;
 }
 
-void PlacedDeck::store_node_sets() {
+void PlacedDeck::store_sets() {
   for (int index = 0; index < place_count(); ++index)
-    for (const Scope* scope : place(index).scopes)
+    for (const Scope* scope : place(index).scopes) {
       for (const auto& [key, set] : scope->node_sets)
         if (!set.internal)
           mesh.node_sets[place(index).full_name(set.name)] =
               flattened(&Scope::node_sets, {&set, index}, {set.name, {}});
+      for (const auto& [key, set] : scope->element_sets)
+        if (!set.internal)
+          mesh.element_sets[place(index).full_name(set.name)] =
+              cells_of(flattened(&Scope::element_sets, {&set, index}, {set.name, {}}));
+    }
+}
+
+/// Springs, masses and elements without a section are no cells.
+std::vector<Index> PlacedDeck::cells_of(const std::vector<Index>& positions) const {
+  std::vector<Index> cells;
+  for (const Index position : positions)
+    if (const Index cell = elements[static_cast<std::size_t>(position)].cell; cell >= 0) cells.push_back(cell);
+  return cells;
 }
 
 }  // namespace kalfem::abaqus

@@ -321,6 +321,28 @@ MatrixModel matrix_model(const ForeignMatrix& stiffness, const ForeignMatrix& ma
   return result;
 }
 
+MatrixModel part_matrices(const std::optional<ForeignMatrix>& stiffness, const std::optional<ForeignMatrix>& mass,
+                          const std::optional<ForeignMatrix>& damping, const MatrixModelOptions& options,
+                          std::optional<Index> rows) {
+  std::vector<const ForeignMatrix*> matrices;
+  for (const auto* each : {&stiffness, &mass, &damping})
+    if (*each) matrices.push_back(&**each);
+  MatrixModel result;
+  result.dofs = all_dofs(matrices, options.dofs);
+  if (result.dofs.empty() && !rows)
+    throw InvalidInput("the rows of a factor's matrices are not known",
+                       "neither their files nor the matrices of the structure say them",
+                       "give `dofs`: a list of node.direction, or of nodes with `directions`");
+  const Index size = result.dofs.empty() ? *rows : std::ssize(result.dofs);
+  Preparation preparation(options, result.dofs, size);
+  if (stiffness) result.model.stiffness = preparation.prepared("stiffness", *stiffness, false);
+  if (mass) result.model.mass = preparation.prepared("mass", *mass, false);
+  if (damping) result.model.damping = preparation.prepared("damping", *damping, false);
+  preparation.issues().raise();
+  result.notes = std::move(preparation.notes);
+  return result;
+}
+
 MatrixModel read_superelement(const std::vector<std::filesystem::path>& files, const SuperelementReadOptions& options) {
   if (files.empty()) throw InvalidInput("no matrix file is given", "stiffness and mass are needed", "name one");
   const auto all = all_matrices(files, options.format);

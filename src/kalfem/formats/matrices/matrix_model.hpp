@@ -32,6 +32,13 @@ struct MatrixModel {
 MatrixModel matrix_model(const ForeignMatrix& stiffness, const ForeignMatrix& mass,
                          const std::optional<ForeignMatrix>& damping = {}, const MatrixModelOptions& options = {});
 
+/// Matrices of a part of a structure, which need be neither all there nor positive semi-definite. Rows are those of
+/// `options.dofs` or of the matrices, otherwise `rows` of them in an order that the caller knows.
+/// Throws InvalidInput with everything that is wrong, as matrix_model() does, and where the rows are not known.
+MatrixModel part_matrices(const std::optional<ForeignMatrix>& stiffness, const std::optional<ForeignMatrix>& mass,
+                          const std::optional<ForeignMatrix>& damping, const MatrixModelOptions& options,
+                          std::optional<Eigen::Index> rows);
+
 struct SuperelementReadOptions {
   MatrixFormat format = MatrixFormat::automatic;
   std::string stiffness =

@@ -60,6 +60,7 @@ struct ElementMaker {
   [[nodiscard]] Eigen::Matrix3Xd all_nodes() const { return model.mesh.nodes(Eigen::all, model.mesh.nodes_of(cell)); }
 };
 
+std::string part_factor_name(const std::string& factor) { return factor + ".factor"; }
 std::string factor_name(const std::string& region, BeamPart part) { return region + "." + to_string(part); }
 
 Powers named_powers(const PropertyPowers& powers, const std::string& region, const std::string& material) {
@@ -76,15 +77,19 @@ void add_to(Terms& terms, const Powers& powers, SparseMatrix matrix) {
   if (!is_new) place->second = SparseMatrix(place->second + matrix);
 }
 
-/// At least one term, so that the sum has its size.
-std::vector<AffineTerm> to_list(Terms terms, Eigen::Index size) {
+std::vector<AffineTerm> to_list(Terms terms) {
   std::vector<AffineTerm> list;
-  if (terms.empty()) list.push_back({{}, SparseMatrix(size, size)});
   while (!terms.empty()) {
     auto first = terms.extract(terms.begin());
     list.push_back({first.key(), std::move(first.mapped())});
   }
   return list;
+}
+
+/// At least one term, so that the sum has its size.
+std::vector<AffineTerm> to_list(Terms terms, Eigen::Index size) {
+  if (terms.empty()) terms.emplace(Powers{}, SparseMatrix(size, size));
+  return to_list(std::move(terms));
 }
 
 // A degree of freedom without element, spring or mass has no equation: it is left out before the elimination, so that a
@@ -113,26 +118,61 @@ std::vector<bool> touched_dofs(const FiniteElementModel& model) {
   return touched;
 }
 
+/// Which factors of parts each element has. Elements of the same ones share a set.
+class FactorSets {
+public:
+  explicit FactorSets(const FiniteElementModel& model) : sets_(1) {
+    if (model.factors.empty()) return;
+    of_cell_.resize(model.mesh.cells.size(), 0);
+    std::map<std::pair<std::size_t, const PartFactor*>, std::size_t> joined;
+    for (const auto& factor : model.factors)
+      for (const auto cell : factor.cells) {
+        auto& set = of_cell_[static_cast<std::size_t>(cell)];
+        const auto [place, is_new] = joined.try_emplace({set, &factor}, sets_.size());
+        if (is_new) {
+          sets_.push_back(sets_[set]);
+          sets_.back().push_back(&factor);
+        }
+        set = place->second;
+      }
+  }
+
+  [[nodiscard]] std::size_t of(Eigen::Index cell) const {
+    return of_cell_.empty() ? 0 : of_cell_[static_cast<std::size_t>(cell)];
+  }
+  void add_powers(std::size_t set, FactorOf what, Powers& powers) const {
+    for (const auto* factor : sets_[set])
+      if (factor->of == what || factor->of == FactorOf::both) powers[part_factor_name(factor->name)] = 1;
+  }
+
+private:
+  std::vector<std::vector<const PartFactor*>> sets_;
+  std::vector<std::size_t> of_cell_;
+};
+
 // How a model is assembled:
 //   1. eliminate() leaves the free degrees of freedom and S with u_all = S u_free, S sparse;
 //   2. a region: the pattern of its matrices once, then every element adds S_e^T k S_e into the values. Terms that
 //      depend on different powers of parameters (E t, E t^3, rho t) are separate sums over the same pattern, or one at
 //      their present values;
-//   3. masses, springs and joints are each a term of the parameter of their own; matrices of another code have none.
+//   3. masses, springs and joints are each a term of the parameter of their own; matrices of another code have none, or
+//      that of the factor of their part. A factor that no parameter asks for multiplies at its value.
 // So K and M at other parameters are sums of what was assembled once. Element shapes that cannot be integrated are
 // collected over a region and reported together.
 /// Sums up the parts of a model over the free degrees of freedom that the elimination leaves.
 class Assembler {
 public:
-  /// `factors`: those by which the stiffness of beam regions and point masses are divided. `present`: values of all
-  /// parameters, where the terms shall be summed at them.
-  Assembler(const FiniteElementModel& model, const Elimination& elimination, const Values& factors,
+  /// `factors`: those by which the stiffness of beam regions and point masses are divided. `held`: factors of parts
+  /// that are no parameters. `present`: values of all parameters, where the terms shall be summed at them.
+  Assembler(const FiniteElementModel& model, const Elimination& elimination, const Values& factors, const Values& held,
             const Values* present)
       : rigid_mass(model.mesh),
         model_(model),
         edges_(model),
+        sets_(model),
         transform_(elimination.transform),
         factors_(factors),
+        held_(held),
         present_(present) {}
 
   void add_region(const std::string& region, const RegionProperty& property, IssueList& issues);
@@ -142,6 +182,7 @@ public:
 
   Terms stiffness, mass;
   SparseMatrix damping;
+  Terms factored_damping;
   std::vector<GroundCoupling> grounds;
   RigidMassSum rigid_mass;
 
@@ -155,7 +196,7 @@ private:
       double factor;
     };
     std::map<Powers, std::vector<double>> values;
-    std::map<PropertyPowers, Share> shares;
+    std::map<std::pair<std::size_t, PropertyPowers>, Share> shares;  ///< by the factors of the element, too
   };
 
   /// Into which a region's stiffness is divided.
@@ -167,9 +208,18 @@ private:
   }
 
   /// The term to which a matrix with these powers is added, and the factor with which it is.
-  [[nodiscard]] std::pair<Powers, double> term_of(Powers powers) const {
-    if (!present_) return {std::move(powers), 1.0};
-    return {{}, affine_factor(powers, *present_)};
+  [[nodiscard]] std::pair<Powers, double> term_of(const Powers& powers) const {
+    auto [free, factor] = without_held(powers);
+    if (!present_) return {std::move(free), factor};
+    return {{}, factor * affine_factor(free, *present_)};
+  }
+
+  /// Powers of the parameters, and the product of the factors that are none.
+  [[nodiscard]] std::pair<Powers, double> without_held(Powers powers) const {
+    double factor = 1.0;
+    for (const auto& [name, value] : held_)
+      if (powers.erase(name) > 0) factor *= value;
+    return {std::move(powers), factor};
   }
 
   [[nodiscard]] const Cell& cell(Eigen::Index index) const {
@@ -231,8 +281,10 @@ private:
 
   const FiniteElementModel& model_;
   const ShellEdges edges_;
+  const FactorSets sets_;
   const Eigen::SparseMatrix<double, Eigen::RowMajor>& transform_;
   const Values& factors_;
+  const Values& held_;
   const Values* present_;
 };
 
@@ -252,13 +304,18 @@ void Assembler::add_region(const std::string& region, const RegionProperty& prop
   const auto pattern = pattern_of(cells, motions);
   const auto parts = asked_parts(region, property);
   Sums stiffness_sums, mass_sums;
-  std::map<PropertyPowers, Matrix6> rigid_sums;
+  std::map<std::pair<std::size_t, PropertyPowers>, Matrix6> rigid_sums;
   Scatter scatter;
-  const auto add_terms = [&](const std::vector<ElementTerm>& terms, Sums& sums) {
+  const auto powers_of = [&](const PropertyPowers& own, std::size_t set, FactorOf what) {
+    Powers powers = named_powers(own, region, material_of(property));
+    sets_.add_powers(set, what, powers);
+    return powers;
+  };
+  const auto add_terms = [&](const std::vector<ElementTerm>& terms, std::size_t set, FactorOf what, Sums& sums) {
     for (const auto& term : terms) {
-      const auto [share, is_new] = sums.shares.try_emplace(term.powers);
+      const auto [share, is_new] = sums.shares.try_emplace({set, term.powers});
       if (is_new) {
-        const auto [powers, factor] = term_of(named_powers(term.powers, region, material_of(property)));
+        const auto [powers, factor] = term_of(powers_of(term.powers, set, what));
         auto& values = sums.values[powers];
         if (values.empty()) values = pattern.zero();
         share->second = {&values, factor};
@@ -269,13 +326,14 @@ void Assembler::add_region(const std::string& region, const RegionProperty& prop
   std::vector<std::pair<Eigen::Index, std::string>> bad;
   for (std::size_t i = 0; i < cells.size(); ++i) try {
       const auto& each = cell(cells[i]);
+      const auto set = sets_.of(cells[i]);
       const auto matrices = std::visit(ElementMaker{model_, each, edges_.drilling(cells[i]), i, parts}, property);
       stiffness_scatter_of(cells[i], motions, scatter);
-      add_terms(matrices.stiffness, stiffness_sums);
+      add_terms(matrices.stiffness, set, FactorOf::stiffness, stiffness_sums);
       scatter_of(model_.mesh.nodes_of(each), motions, scatter);
-      add_terms(matrices.mass, mass_sums);
+      add_terms(matrices.mass, set, FactorOf::mass, mass_sums);
       for (const auto& term : matrices.mass)
-        rigid_sums.try_emplace(term.powers, Matrix6::Zero()).first->second +=
+        rigid_sums.try_emplace({set, term.powers}, Matrix6::Zero()).first->second +=
             rigid_mass.of(model_.mesh.nodes_of(each), motions, term.matrix);
     } catch (const ElementShapeError& error) {
       bad.emplace_back(cells[i], error.what());
@@ -287,7 +345,10 @@ void Assembler::add_region(const std::string& region, const RegionProperty& prop
       add_to(terms, powers, pattern.matrix(values));
     }
   };
-  for (const auto& [powers, sum] : rigid_sums) rigid_mass.add(named_powers(powers, region, material_of(property)), sum);
+  for (const auto& [key, sum] : rigid_sums) {
+    const auto [powers, factor] = without_held(powers_of(key.second, key.first, FactorOf::mass));
+    rigid_mass.add(powers, factor * sum);
+  }
   move_sums(mass_sums, mass);
   move_sums(stiffness_sums, stiffness);
 }
@@ -378,13 +439,22 @@ void Assembler::add_matrices() {
       append_targets(static_cast<int>(i), all_index(item.dofs[i]), scatter);
     for (const auto& [row, column, coefficient] : scatter) entries.emplace_back(row, column, coefficient);
     rows.setFromTriplets(entries.begin(), entries.end());
-    const auto projected = [&](const SparseMatrix& matrix) { return SparseMatrix(rows.transpose() * matrix * rows); };
-    if (item.stiffness.size() > 0) add_to(stiffness, {}, projected(item.stiffness));
+    const Powers own = item.factor.empty() ? Powers{} : Powers{{part_factor_name(item.factor), 1}};
+    const auto [powers, factor] = term_of(own);
+    const auto projected = [&, share = factor](const SparseMatrix& matrix) {
+      return SparseMatrix(share * (rows.transpose() * matrix * rows));
+    };
+    if (item.stiffness.size() > 0) add_to(stiffness, powers, projected(item.stiffness));
     if (item.mass.size() > 0) {
-      add_to(mass, {}, projected(item.mass));
-      rigid_mass.add({}, rigid_mass.of(item.dofs, item.mass));
+      add_to(mass, powers, projected(item.mass));
+      const auto [of_rigid, share] = without_held(own);
+      rigid_mass.add(of_rigid, share * rigid_mass.of(item.dofs, item.mass));
     }
-    if (item.damping.size() > 0) damping = SparseMatrix(damping + projected(item.damping));
+    if (item.damping.size() == 0) continue;
+    if (powers.empty())
+      damping = SparseMatrix(damping + projected(item.damping));
+    else
+      add_to(factored_damping, powers, projected(item.damping));
   }
 }
 
@@ -456,6 +526,18 @@ Values mass_offsets(const FiniteElementModel& model) {
   return offsets;
 }
 
+Values part_factors(const FiniteElementModel& model) {
+  Values factors;
+  for (const auto& factor : model.factors) factors[part_factor_name(factor.name)] = factor.value;
+  return factors;
+}
+
+SparseMatrix AssembledModel::viscous_damping(const Values& values) const {
+  SparseMatrix sum = damping;
+  if (!factored_damping.empty()) add_to(sum, evaluate(factored_damping, values));
+  return sum;
+}
+
 AssembledModel assemble(const FiniteElementModel& model, const AssemblyOptions& options) {
   if (auto issues = validate(model); !issues.empty()) throw InvalidInput(std::move(issues));
   auto elimination = options.release_supports
@@ -465,7 +547,10 @@ AssembledModel assemble(const FiniteElementModel& model, const AssemblyOptions& 
   const auto factors = asked_factors(model, options);
   require_own_names(factors, values, model.mesh.source);
   values.insert(factors.begin(), factors.end());
-  Assembler assembler(model, elimination, factors, options.at_present_values ? &values : nullptr);
+  Values held = part_factors(model);
+  for (const auto& name : options.parameters)
+    if (const auto asked = held.extract(name)) values.insert({asked.key(), asked.mapped()});
+  Assembler assembler(model, elimination, factors, held, options.at_present_values ? &values : nullptr);
   IssueList issues;
   for (const auto& [region, property] : model.properties) assembler.add_region(region, property, issues);
   issues.raise();
@@ -477,6 +562,7 @@ AssembledModel assemble(const FiniteElementModel& model, const AssemblyOptions& 
           .stiffness = to_list(std::move(assembler.stiffness), size),
           .mass = to_list(std::move(assembler.mass), size),
           .damping = std::move(assembler.damping),
+          .factored_damping = to_list(std::move(assembler.factored_damping)),
           .grounds = std::move(assembler.grounds),
           .rigid_mass = assembler.rigid_mass.list(),
           .dofs = std::move(elimination.dofs),

@@ -14,10 +14,11 @@ namespace kalfem {
 
 struct AssemblyOptions {
   /// Parameters that shall be there, by name. Those that are factors of a part of a beam region's stiffness, such as
-  /// "tubes.bending_y" (see beam_factors()), divide that region's stiffness into a term for each of its parts; all
-  /// and offsets of point masses, such as "engine.offset_x" (see mass_offsets()), divide the mass matrix of the latter;
-  /// all other names have no effect. Of regions that none is named of, the stiffness stays one term with others of its
-  /// material: a model of hundreds of beam regions would else be thousands of matrices.
+  /// "tubes.bending_y" (see beam_factors()), divide that region's stiffness into a term for each of its parts; offsets
+  /// of point masses, such as "engine.offset_x" (see mass_offsets()), divide the mass matrix of the latter; factors of
+  /// parts of the model (see part_factors()) have terms of their own; all other names have no effect. Of regions that
+  /// none is named of, the stiffness stays one term with others of its material: a model of hundreds of beam regions
+  /// would else be thousands of matrices.
   std::vector<std::string> parameters = {};
   /// Degrees of freedom that shall be free although links or constraints let them follow others, see eliminate().
   std::vector<NodalDof> independent = {};
@@ -36,6 +37,9 @@ std::map<std::string, double> beam_factors(const FiniteElementModel& model);
 /// node turns.
 std::map<std::string, double> mass_offsets(const FiniteElementModel& model);
 
+/// The factors of parts of the model: "<name>.factor". One that no parameter asks for multiplies its part at its value.
+std::map<std::string, double> part_factors(const FiniteElementModel& model);
+
 /// A finite-element model as matrices: K = sum of stiffness terms and M = sum of mass terms over the free degrees of
 /// freedom, with the map back to the nodes. No two terms have the same powers. Immutable.
 struct AssembledModel {
@@ -45,13 +49,16 @@ struct AssembledModel {
                                              ///< that the options ask for
   std::vector<AffineTerm> stiffness;
   std::vector<AffineTerm> mass;
-  SparseMatrix damping;                 ///< of dashpots [N s/m], n x n
-  std::vector<GroundCoupling> grounds;  ///< of springs to grounds, at the present values of the parameters
-  std::vector<RigidMass> rigid_mass;    ///< of the whole structure, also where it is held
-  std::vector<NodalDof> dofs;           ///< free degrees of freedom, by node and then direction
+  SparseMatrix damping;                           ///< of dashpots [N s/m], n x n
+  std::vector<AffineTerm> factored_damping = {};  ///< of matrices with a factor, beside `damping`
+  std::vector<GroundCoupling> grounds;            ///< of springs to grounds, at the present values of the parameters
+  std::vector<RigidMass> rigid_mass;              ///< of the whole structure, also where it is held
+  std::vector<NodalDof> dofs;                     ///< free degrees of freedom, by node and then direction
   SparseMatrix expansion;  ///< 6 nodes x n: displacement of every node's degree of freedom from the free ones
 
   [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(dofs.size()); }
+  /// C = damping + sum of its terms, without Rayleigh damping, at these values of the parameters.
+  [[nodiscard]] SparseMatrix viscous_damping(const std::map<std::string, double>& values) const;
   /// Position of a nodal degree of freedom among the free ones, -1 where it is fixed, tied or touched by nothing.
   [[nodiscard]] Eigen::Index find(const NodalDof& dof) const;
 };

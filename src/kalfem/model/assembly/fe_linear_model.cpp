@@ -93,7 +93,7 @@ LinearModel linear_model(const FiniteElementModel& model, const AssembledModel& 
   for (const auto& dof : assembled.dofs) linear.dofs.push_back(dof_name(model.mesh, dof));
   linear.mass = std::move(mass);
   linear.stiffness = std::move(stiffness);
-  linear.damping = assembled.damping;
+  linear.damping = assembled.viscous_damping(assembled.parameters);
   linear.grounds = assembled.grounds;
   linear.points = named_points(points, assembled.expansion, linear.dofs);
   add_rayleigh(linear, damping);
@@ -172,7 +172,8 @@ std::string unit_of(const FiniteElementParameter& parameter) {
   if (parameter.name.ends_with(".thickness")) return "m";
   if (parameter.name.ends_with(".mass")) return "kg";
   if (ends_with_any(parameter.name, {".offset_x", ".offset_y", ".offset_z"})) return "m";
-  if (ends_with_any(parameter.name, {".axial", ".bending", ".bending_y", ".bending_z", ".torsion"})) return "-";
+  if (ends_with_any(parameter.name, {".factor", ".axial", ".bending", ".bending_y", ".bending_z", ".torsion"}))
+    return "-";
   return "";  // a spring's stiffness: [N/m] or [N m/rad]
 }
 
@@ -222,7 +223,7 @@ ModelAtParameters ParameterisedFiniteElements::at(const Eigen::VectorXd& paramet
       std::ranges::none_of(bindings_, [](const auto& each) { return each.target.kind == FeKind::matrix; });
   model.mass = constant ? full_->mass : evaluate(assembled_->mass, values);
   model.stiffness = constant ? full_->stiffness : evaluate(assembled_->stiffness, values);
-  model.damping = assembled_->damping;
+  model.damping = assembled_->viscous_damping(values);
   const auto& [alpha, beta] = damping.rayleigh;
   if (alpha != 0.0 || beta != 0.0) model.damping += SparseMatrix(alpha * model.mass + beta * model.stiffness);
   model.grounds = full_->grounds;
@@ -242,9 +243,11 @@ std::vector<ModelDerivative> ParameterisedFiniteElements::derivatives(const Eige
     auto& derivative = all[static_cast<std::size_t>(index)];
     if (target.kind == FeKind::matrix) {
       const SparseMatrix stiffness = derivative_of(assembled_->stiffness, values, target.name),
-                         mass = derivative_of(assembled_->mass, values, target.name);
+                         mass = derivative_of(assembled_->mass, values, target.name),
+                         viscous = derivative_of(assembled_->factored_damping, values, target.name);
       add_to(derivative.stiffness, stiffness);
       add_to(derivative.mass, mass);
+      if (viscous.size() > 0) add_to(derivative.damping, viscous);
       if (alpha != 0.0) add_to(derivative.damping, SparseMatrix(alpha * mass));
       if (beta != 0.0) add_to(derivative.damping, SparseMatrix(beta * stiffness));
     } else if (target.kind == FeKind::mass_factor) {
@@ -275,7 +278,10 @@ ParameterisedFiniteElements ParameterisedFiniteElements::in_basis(const Eigen::M
   small.mass = projected(assembled_->mass, small.parameters, changing, basis, reduced.mass);
   const FiniteElementDamping damping = damping_at(parameters);
   const auto& [alpha, beta] = damping.rayleigh;
-  small.damping = SparseMatrix(reduced.damping - alpha * reduced.mass - beta * reduced.stiffness);
+  small.factored_damping = projected(assembled_->factored_damping, small.parameters, changing, basis,
+                                     SparseMatrix(reduced.damping - alpha * reduced.mass - beta * reduced.stiffness));
+  small.damping = std::move(small.factored_damping.back().matrix);  // what no parameter changes
+  small.factored_damping.pop_back();
   return {std::make_shared<const AssembledModel>(std::move(small)), std::make_shared<const LinearModel>(reduced),
           damping, bindings_, count_};
 }

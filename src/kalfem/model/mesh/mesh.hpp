@@ -50,9 +50,10 @@ struct Mesh {
   std::vector<std::int64_t> node_ids;  ///< the file's numbers
   Eigen::Matrix3Xd nodes;              ///< coordinates [m]
   std::vector<Cell> cells;
-  std::vector<Eigen::Index> connectivity;                      ///< indices of nodes, cell after cell
-  std::map<std::string, std::vector<Eigen::Index>> regions;    ///< indices of cells
-  std::map<std::string, std::vector<Eigen::Index>> node_sets;  ///< indices of nodes
+  std::vector<Eigen::Index> connectivity;                              ///< indices of nodes, cell after cell
+  std::map<std::string, std::vector<Eigen::Index>> regions;            ///< indices of cells
+  std::map<std::string, std::vector<Eigen::Index>> node_sets;          ///< indices of nodes
+  std::map<std::string, std::vector<Eigen::Index>> element_sets = {};  ///< indices of cells, beside the regions
   std::map<Eigen::Index, Eigen::Matrix3d> axes = {};  ///< of nodes whose motions are not along global axes: columns
 
   [[nodiscard]] Eigen::Matrix3d axes_of(Eigen::Index node) const {

@@ -88,7 +88,8 @@ public:
       connectivity.insert(connectivity.end(), nodes.begin(), nodes.end());
     }
     mesh_.connectivity = std::move(connectivity);
-    for (auto& [name, cells] : mesh_.regions) cells = expanded(cells);
+    for (auto* groups : {&mesh_.regions, &mesh_.element_sets})
+      for (auto& [name, cells] : *groups) cells = expanded(cells);
   }
 
 private:
@@ -183,6 +184,7 @@ void replace_quadratic(FiniteElementModel& model) {
     if (auto* laminate = std::get_if<LaminateProperty>(&property))
       expand_directions(*laminate, cells->second, replacement);
   }
+  for (auto& factor : model.factors) factor.cells = replacement.expanded(factor.cells);
   replacement.finish();
   model.side_middles.insert(replacement.side_middles().begin(), replacement.side_middles().end());
 }

@@ -14,8 +14,8 @@ namespace kalfem {
 ///   ends.
 /// The nodes amid the sides of shells become the model's `side_middles`, so that nodal forces keep their meaning.
 /// Placements and directions of cells pass to their parts. The first part keeps the cell's number, the others and the
-/// new nodes take numbers beyond the largest; all parts stand in every region that held the cell; node sets are kept.
-/// Solids and linear cells stay as they are.
+/// new nodes take numbers beyond the largest; all parts stand in every region, set and factor that held the cell; node
+/// sets are kept. Solids and linear cells stay as they are.
 ///
 /// Accuracy: cells of half the size, whose error falls with h^2 where that of quadratic shells falls faster. The first
 /// six frequencies of a cantilevered square plate of 4 x 4 (8 x 8) quadrilaterals come out up to 3.9 % (1.0 %) above

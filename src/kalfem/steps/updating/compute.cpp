@@ -217,6 +217,12 @@ std::vector<ResidualBlock> blocks_of(const std::vector<ComparisonResidual>& comp
   return blocks;
 }
 
+std::vector<ComparedResidual> compared(const std::vector<ComparisonResidual>& comparisons) {
+  std::vector<ComparedResidual> all;
+  for (const auto& each : comparisons) all.push_back({each.name, each.continuation_steps.back(), each.weight});
+  return all;
+}
+
 /// Rms of each comparison at the start and at the end, with its modes or frequency lines if it has any.
 void compare(const Study& study, const std::vector<ComparisonResidual>& comparisons, const ResidualValue& first,
              const ResidualValue& last, UpdatingOutcome& updating) {
@@ -385,6 +391,7 @@ UpdatingOutcome run_updating(const Study& study, const StudyResults& results, co
     return updating;
   }
   require_effects(study, first->jacobian);
+  updating.first = first_information(parameters, *first, compared(comparisons));
   updating.residual_initial = rms_of(0.5 * first->values.squaredNorm(), residual.size());
   if (plan.check_sensitivities)
     updating.sensitivities = check_sensitivities(residual, parameters, updating.values, check_options(comparisons));

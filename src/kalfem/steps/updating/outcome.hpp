@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kalfem/updating/considered.hpp"
+#include "kalfem/updating/first_information.hpp"
 #include "kalfem/updating/gauss_newton.hpp"
 #include "kalfem/updating/modal_residual.hpp"
 #include "kalfem/updating/parameter_statistics.hpp"
@@ -62,6 +63,7 @@ struct AlternativeOutcome;
 struct UpdatingOutcome {
   std::string method;  ///< name of the method, in words
   std::vector<ComparisonResult> comparisons;
+  FirstInformation first;  ///< what the comparisons tell at the initial values
   Eigen::VectorXd values;  ///< one per parameter
   ParameterStatistics statistics;
   RobustStatistics robust;

@@ -30,6 +30,12 @@ Table updating_trace_table(const Study& study, const UpdatingOutcome& outcome);
 Table minima_table(const Study& study, const UpdatingOutcome& outcome);
 /// The choices of parameters with their fit, evidence and weight; without rows where there is one.
 Table alternatives_table(const UpdatingOutcome& outcome);
+/// By how many per cent the natural frequencies of a comparison change where a parameter does by 1 %, at the initial
+/// values: a row a parameter, a column a measured mode, of which at most `most` are shown.
+Table frequency_sensitivity_table(const Study& study, const FrequencySensitivities& sensitivities,
+                                  std::size_t most = 1000);
+/// Combinations that the measurement does not determine before the updating and groups that it would, one line each.
+std::string first_words(const Study& study, const UpdatingOutcome& outcome);
 Table sensitivity_table(const UpdatingOutcome& outcome);
 /// Unknowns of the filter before and after the updating; without rows where there are none.
 Table before_and_after_table(const Study& study, const StudyResults& results);

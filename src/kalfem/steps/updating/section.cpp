@@ -103,10 +103,13 @@ Picture correlation_picture(const Study& study, const UpdatingOutcome& outcome) 
           .half_width = true};
 }
 
-std::string words_on(const UpdatingOutcome& outcome) {
+std::string words_on(const Study& study, const UpdatingOutcome& outcome) {
   std::string text = fmt::format("{} evaluations, {} steps, {:.1f} s, by {}. {}. ", outcome.evaluations,
                                  outcome.iterations, outcome.seconds, outcome.method, capitalised(outcome.termination));
   for (const auto& remark : outcome.remarks) text += "\n\n" + capitalised(remark) + ".";
+  for (const auto& remark : outcome.first.remarks) text += "\n\nBefore the updating: " + remark;
+  for (const auto& sentence : proposal_in_words(study.updating->parameters, outcome.first.proposal))
+    text += "\n\nProposed: " + sentence + ".";
   return text;
 }
 
@@ -115,7 +118,9 @@ std::string words_on(const UpdatingOutcome& outcome) {
 Section updating_section(const Study& study, const StudyResults& results) {
   const auto& outcome = results.get<UpdatingOutcome>();
   Section section{
-      "Updated model", words_on(outcome), {updated_parameter_table(study, outcome), comparison_table(outcome)}};
+      "Updated model", words_on(study, outcome), {updated_parameter_table(study, outcome), comparison_table(outcome)}};
+  for (const auto& each : outcome.first.frequencies)
+    section.items.emplace_back(frequency_sensitivity_table(study, each));
   if (auto table = before_and_after_table(study, results); !table.rows.empty())
     section.items.emplace_back(std::move(table));
   for (const auto& comparison : outcome.comparisons)

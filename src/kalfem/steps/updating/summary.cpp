@@ -175,6 +175,25 @@ Json sensitivities_of(const UpdatingOutcome& outcome) {
   return all;
 }
 
+/// What the comparisons tell at the initial values: sensitivities by mode, and groups that they determine.
+Json before_of(const Study& study, const FirstInformation& first) {
+  const auto& parameters = study.updating->parameters;
+  Json own = {{"frequencies", Json::object()}, {"undetermined", first.remarks}, {"groups", Json::array()}};
+  const auto name = [&](Index i) { return parameters[static_cast<std::size_t>(i)].name; };
+  for (const auto& each : first.frequencies) {
+    Json& comparison = own["frequencies"][each.comparison];
+    comparison["measured_hz"] = numbers(each.measured);
+    for (Index j = 0; j < each.relative.cols(); ++j)
+      comparison["d_ln_f_d_ln_parameter"][name(j)] = numbers(Eigen::VectorXd(each.relative.col(j)));
+  }
+  for (const auto& group : first.proposal.groups) {
+    own["groups"].push_back(Json::array());
+    for (const Index i : group) own["groups"].back().push_back(name(i));
+  }
+  for (const Index i : first.proposal.hold) own["hold"].push_back(name(i));
+  return own;
+}
+
 Json alternatives_of(const Study& study, const UpdatingOutcome& outcome) {
   Json all = Json::object();
   for (const auto& each : outcome.alternatives) {
@@ -203,6 +222,7 @@ Json updating_summary(const Study& study, const UpdatingOutcome& outcome) {
                   {"termination", outcome.termination},
                   {"method", outcome.method},
                   {"remarks", outcome.remarks},
+                  {"before", before_of(study, outcome.first)},
                   {"comparisons", comparisons_of(study, outcome)}};
   if (outcome.statistics.reduced_chi_squared)
     summary["reduced_chi_squared"] = number(*outcome.statistics.reduced_chi_squared);

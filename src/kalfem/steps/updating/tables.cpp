@@ -148,6 +148,29 @@ Table minima_table(const Study& study, const UpdatingOutcome& outcome) {
   return table;
 }
 
+Table frequency_sensitivity_table(const Study& study, const FrequencySensitivities& sensitivities, std::size_t most) {
+  Table table{fmt::format("Before the updating: d ln f / d ln parameter of '{}'", sensitivities.comparison),
+              {"parameter"},
+              {},
+              {}};
+  const Index modes = std::min(sensitivities.measured.size(), static_cast<Index>(most));
+  for (Index i = 0; i < modes; ++i) table.columns.push_back(four_digits(sensitivities.measured[i]) + " Hz");
+  for (std::size_t j = 0; j < study.updating->parameters.size(); ++j) {
+    table.rows.push_back({study.updating->parameters[j].name});
+    for (Index i = 0; i < modes; ++i)
+      table.rows.back().push_back(fmt::format("{:.4f}", sensitivities.relative(i, static_cast<Index>(j))));
+  }
+  return table;
+}
+
+std::string first_words(const Study& study, const UpdatingOutcome& outcome) {
+  std::string words;
+  for (const auto& remark : outcome.first.remarks) words += "  " + remark + "\n";
+  for (const auto& sentence : proposal_in_words(study.updating->parameters, outcome.first.proposal))
+    words += "  Proposed: " + sentence + ".\n";
+  return words;
+}
+
 Table sensitivity_table(const UpdatingOutcome& outcome) {
   Table table{"Derivatives against finite differences", {"parameter", "deviation", "uncertainty", "verdict"}, {}, {}};
   for (const auto& each : outcome.sensitivities)
@@ -226,6 +249,12 @@ std::string console_updating(const Study& study, const StudyResults& results) {
       outcome.method);
   text += fmt::format("residual {} -> {} standard deviations\n\n", finite(outcome.residual_initial),
                       finite(outcome.residual_final));
+  constexpr std::size_t shown_modes = 8;
+  for (const auto& each : outcome.first.frequencies) {
+    const Table table = frequency_sensitivity_table(study, each, shown_modes);
+    text += section(table.title, table);
+  }
+  if (const auto words = first_words(study, outcome); !words.empty()) text += words + "\n";
   text += section("Updated parameters", updated_parameter_table(study, outcome));
   for (const auto& remark : outcome.remarks) text += "  " + remark + "\n";
   if (!outcome.remarks.empty()) text += "\n";
