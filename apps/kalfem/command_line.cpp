@@ -309,12 +309,13 @@ void add_live_verbs(CLI::App& app, Arguments& arguments) {
 void add_modal(CLI::App& app, Arguments& arguments) {
   auto& asked = arguments.modal;
   auto& options = asked.options;
-  auto* modal = app.add_subcommand("modal", "identify modes from responses alone, with their standard deviations");
+  auto* modal = app.add_subcommand(
+      "modal", "identify modes from responses alone or to measured forces, with their standard deviations");
   modal
       ->add_option(
           "records", asked.files,
-          "measured file, or case file (YAML) with `record`; several: set-ups whose sensors were moved, merged "
-          "by those that stay")
+          "measured file, file of frequency responses, or case file (YAML) with `record`; several: set-ups whose "
+          "sensors were moved, merged by those that stay")
       ->required();
   modal->add_option("--channel", options.channels, "identify from this channel; several times; default: all but forces")
       ->type_name("NAME")
@@ -324,10 +325,37 @@ void add_modal(CLI::App& app, Arguments& arguments) {
                    "correlate all channels with this one, which stays in all set-ups; several times; default: with all")
       ->type_name("NAME")
       ->allow_extra_args(false);
+  modal
+      ->add_option("--input", options.inputs,
+                   "this channel is a force: identify from frequency responses to it; several times")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  modal
+      ->add_option("--segment", options.forced.segment,
+                   "with --input: length of the averaged segments, in s; default: such that sixteen cover the record")
+      ->type_name("S");
+  modal
+      ->add_option("--estimator", options.forced.estimator,
+                   "with --input: h1 (noise on the responses), h2 (on the force), hv (on both); default: h1")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, FrfEstimator>{
+              {"h1", FrfEstimator::h1}, {"h2", FrfEstimator::h2}, {"hv", FrfEstimator::hv}},
+          CLI::ignore_case))
+      ->type_name("NAME");
+  modal
+      ->add_option("--window", options.forced.window,
+                   "with --input: hann, or rectangular where responses decay within a segment; default: hann")
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, SpectralWindow>{{"hann", SpectralWindow::hann},
+                                                                        {"rectangular", SpectralWindow::rectangular}},
+                                  CLI::ignore_case))
+      ->type_name("NAME");
   modal->add_option("--band", asked.band, "look for modes between two frequencies, in Hz: filters and resamples")
       ->type_name("FROM TO")
       ->expected(2);
-  modal->add_option("--max-order", options.max_order, "largest order of the models; default: four a channel, 30 to 100")
+  modal
+      ->add_option("--max-order", options.max_order,
+                   "largest order of the models; default: four a channel, 30 to 100; of frequency responses 120")
       ->type_name("N");
   modal->add_option("--block-rows", options.block_rows, "of the Hankel matrix; default: a period of the lowest mode")
       ->type_name("N");

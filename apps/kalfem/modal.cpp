@@ -2,12 +2,15 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "console.hpp"
 #include "kalfem/base/atomic_file.hpp"
+#include "kalfem/formats/frequency_response_file.hpp"
+#include "kalfem/formats/measured_file_reader.hpp"
 #include "kalfem/modal/identify_modes.hpp"
 #include "kalfem/modal/merge_setups.hpp"
 #include "kalfem/report/modal_report.hpp"
@@ -24,11 +27,32 @@ struct Identified {
   std::vector<MeasuredPlace> places;
 };
 
+/// The file, where it holds frequency responses and no time record.
+std::optional<MeasuredFile> responses_in(const std::string& file, const ModalArguments& arguments) {
+  if (!arguments.options.inputs.empty() || measured_format(file) == nullptr) return {};
+  MeasuredFile measured = read_measured_file(file);
+  if (!measured.channels.empty() || std::ranges::find(measured.functions, MeasuredFunctionKind::frequency_response,
+                                                      &MeasuredFunction::kind) == measured.functions.end())
+    return {};
+  return measured;
+}
+
+Identified identify_from_responses(const std::string& file, const MeasuredFile& measured, const ModalOptions& options) {
+  const FrfFileMatrix read = frf_matrix_of(measured, file);
+  Identified found{identify_modes(read.responses, options), {}};
+  for (const auto& channel : found.result.channels)
+    found.places.push_back(read.places[static_cast<std::size_t>(
+        std::ranges::find(read.responses.outputs, channel, &Channel::name) - read.responses.outputs.begin())]);
+  found.result.remarks.insert(found.result.remarks.begin(), read.remarks.begin(), read.remarks.end());
+  return found;
+}
+
 Identified identify(const std::string& file, const ModalArguments& arguments) {
-  const auto outputs = read_outputs(file, arguments.options.channels, arguments.sample_rate);
   ModalOptions options = arguments.options;
-  options.channels.clear();  // they are all there is
   if (arguments.band.size() == 2) options.band = FrequencyBand{arguments.band[0], arguments.band[1]};
+  if (const auto measured = responses_in(file, arguments)) return identify_from_responses(file, *measured, options);
+  const auto outputs = read_outputs(file, options.channels, arguments.sample_rate, options.inputs);
+  options.channels.clear();  // they are all there is, beside the inputs
   Identified found{identify_modes(outputs.record, options), outputs.places};
   if (!outputs.left_out.empty())
     found.result.remarks.push_back(fmt::format("Forces are left out: {}.", fmt::join(outputs.left_out, ", ")));

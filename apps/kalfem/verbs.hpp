@@ -132,7 +132,8 @@ struct ModalArguments {
   std::string page;                        ///< HTML file to write; empty: none
   bool as_json = false;
 };
-/// modal: the modes of a record alone, with their standard deviations. Not usable where there is none.
+/// modal: the modes of a record alone, of its responses to forces, or of a file of frequency responses, with their
+/// standard deviations. Not usable where there is none.
 ExitCode modal(const ModalArguments& arguments);
 struct MatchArguments {
   std::string points, model;         ///< the test's geometry, and the deck

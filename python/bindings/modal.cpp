@@ -35,9 +35,27 @@ StabilisationOptions stabilisation_of(const py::dict& given) {
   return options;
 }
 
+ForcedRecordOptions forced_of(const py::dict& given) {
+  ForcedRecordOptions forced{.segment = given["segment"].cast<double>()};
+  const auto estimator = given["estimator"].cast<std::string>(), window = given["window"].cast<std::string>();
+  if (estimator == "h2")
+    forced.estimator = FrfEstimator::h2;
+  else if (estimator == "hv")
+    forced.estimator = FrfEstimator::hv;
+  else if (estimator != "h1")
+    throw InvalidInput("estimator: '" + estimator + "' is given", "", "give h1, h2 or hv");
+  if (window == "rectangular")
+    forced.window = SpectralWindow::rectangular;
+  else if (window != "hann")
+    throw InvalidInput("window: '" + window + "' is given", "", "give hann or rectangular");
+  return forced;
+}
+
 ModalOptions options_of(const py::dict& given) {
   ModalOptions options{.channels = given["channels"].cast<std::vector<std::string>>(),
                        .references = given["references"].cast<std::vector<std::string>>(),
+                       .inputs = given["inputs"].cast<std::vector<std::string>>(),
+                       .forced = forced_of(given),
                        .block_rows = given["block_rows"].cast<int>(),
                        .max_order = given["max_order"].cast<int>(),
                        .blocks = given["blocks"].cast<int>(),
@@ -145,11 +163,33 @@ py::dict modal(const py::object& t, const py::object& y, const std::vector<std::
   return in_python(result);
 }
 
+/// Frequency responses by input: {"F1": array (lines, outputs)}.
+py::dict modal_of_responses(const Eigen::VectorXd& lines, const py::dict& values,
+                            const std::vector<std::string>& outputs, const py::dict& deviations, const py::dict& given,
+                            const py::object& progress) {
+  FrfMatrix responses{.lines = lines, .outputs = {}, .inputs = {}, .values = {}};
+  for (const auto& name : outputs) responses.outputs.push_back({name});
+  for (const auto& [input, matrix] : values) {
+    responses.inputs.push_back(input.cast<std::string>());
+    responses.values.push_back(matrix.cast<Eigen::MatrixXcd>());
+    if (deviations.contains(input)) responses.deviations.push_back(deviations[input].cast<Eigen::MatrixXd>());
+  }
+  ModalOptions options = options_of(given);
+  const auto result = LongCall(progress).run([&](const Progress& report) {
+    options.progress = report;
+    return identify_modes(responses, options);
+  });
+  return in_python(result);
+}
+
 }  // namespace
 
 void bind_modal(py::module_& module) {
   module.def("modal", &modal, py::arg("t"), py::arg("y"), py::arg("names"), py::arg("units"), py::arg("options"),
              py::arg("progress") = py::none(), "Modes of a record alone: see kalfem.modal.");
+  module.def("modal_of_responses", &modal_of_responses, py::arg("lines"), py::arg("values"), py::arg("outputs"),
+             py::arg("deviations"), py::arg("options"), py::arg("progress") = py::none(),
+             "Modes of frequency responses: see kalfem.modal_of_responses.");
   module.def("merge_setups", &merged, py::arg("setups"), py::arg("references"), py::arg("frequency"), py::arg("mac"),
              "Modes of several set-ups as one: see kalfem.merge_setups.");
 }

@@ -49,7 +49,7 @@ _NAMES = {
     "posterior": ("Posterior",),
     "analysis": ("estimate", "predict", "simulate", "update"),
     "comparing": ("MeasuredModes", "MeasuredResponses", "MeasuredDeflections", "MeasuredRecord"),
-    "modal_identification": ("modal", "merge_setups", "IdentifiedMode", "IdentifiedModes"),
+    "modal_identification": ("modal", "modal_of_responses", "merge_setups", "IdentifiedMode", "IdentifiedModes"),
     "mode_sets": ("read_modes", "ModeSet"),
     "matching": ("match_points", "PointMatch", "MatchedPoint", "PlaceFit"),
     "correlating": ("correlate", "Correlation", "CorrelatedMode", "SetupMistake"),

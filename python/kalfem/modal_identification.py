@@ -7,7 +7,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -145,6 +145,10 @@ def modal(
     *,
     channels: Sequence[str] = (),
     references: Sequence[str] = (),
+    inputs: Sequence[str] = (),
+    segment: float = 0.0,
+    estimator: Literal["h1", "h2", "hv"] = "h1",
+    window: Literal["hann", "rectangular"] = "hann",
     band: tuple[float, float] | None = None,
     block_rows: int = 0,
     max_order: int = 0,
@@ -153,10 +157,13 @@ def modal(
     threads: int = 0,
     progress: Progress = True,
 ) -> IdentifiedModes:
-    """Identify modes from responses to unknown excitation that is about white over the band.
+    """Identify modes from responses to unknown excitation that is about white over the band, or to measured forces.
 
     Covariance-driven stochastic subspace identification over all model orders; standard deviations come from the
     scatter of the correlations over blocks of the record, to first order. Poles that hold over the orders are modes.
+
+    With `inputs` frequency responses are measured first, and the modes are identified from these, see
+    :func:`modal_of_responses`.
 
     Parameters
     ----------
@@ -167,6 +174,14 @@ def modal(
         Responses to identify from; default: all of the record.
     references : list of str
         Channels that all are correlated with; default: all.
+    inputs : list of str
+        Channels that are forces, or the motion of the base.
+    segment : float
+        With `inputs`: length of the averaged segments [s]; 0: such that sixteen, overlapping by half, cover the record.
+    estimator : str
+        With `inputs`: ``h1`` (noise on the responses), ``h2`` (on the force), ``hv`` (on both).
+    window : str
+        With `inputs`: ``hann``, or ``rectangular`` where responses decay within a segment.
     band : (float, float), optional
         Modes are looked for between these frequencies [Hz]: filters and resamples.
     block_rows : int
@@ -202,25 +217,116 @@ def modal(
     t, y, names, units = _channels_of(record, t)
     if channels and not isinstance(y, np.ndarray):
         known = dict(zip(names, units))
-        for name in channels:
+        for name in [*inputs, *channels]:
             if name not in known:
                 raise unknown_name("channel", name, names)
-        names, units = list(channels), [known[name] for name in channels]
+        names = [*inputs, *channels]
+        units = [known[name] for name in names]
         channels = ()
     options = {
+        **_options(band, max_order, stabilisation, threads),
         "channels": list(channels),
         "references": list(references),
-        "band": band,
+        "inputs": list(inputs),
+        "segment": segment,
+        "estimator": estimator,
+        "window": window,
         "block_rows": block_rows,
-        "max_order": max_order,
         "blocks": blocks,
-        "stabilisation": dict(stabilisation or {}),
-        "threads": threads,
     }
     with reporter(progress) as bar:
         found = core.modal(t, y, names, units, options, bar)
     found["modes"] = [IdentifiedMode(**each) for each in found["modes"]]
     return IdentifiedModes(**found)
+
+
+def _options(band, max_order, stabilisation, threads):
+    """What both methods take."""
+    return {
+        "channels": [],
+        "references": [],
+        "inputs": [],
+        "segment": 0.0,
+        "estimator": "h1",
+        "window": "hann",
+        "band": band,
+        "block_rows": 0,
+        "max_order": max_order,
+        "blocks": 100,
+        "stabilisation": dict(stabilisation or {}),
+        "threads": threads,
+    }
+
+
+def modal_of_responses(
+    frequencies: ArrayLike,
+    responses: Mapping[str, ArrayLike] | ArrayLike,
+    *,
+    outputs: Sequence[str] = (),
+    std: Mapping[str, ArrayLike] | ArrayLike | None = None,
+    band: tuple[float, float] | None = None,
+    max_order: int = 0,
+    stabilisation: Mapping[str, float] | None = None,
+    threads: int = 0,
+    progress: Progress = True,
+) -> IdentifiedModes:
+    """Identify modes from frequency responses to known forces.
+
+    The poly-reference least-squares complex frequency-domain method (p-LSCF, "PolyMAX") over many orders; the poles that
+    hold over these start a modal model that is fitted to all responses by least squares. Standard deviations come from
+    the scatter about the fit.
+
+    Parameters
+    ----------
+    frequencies : array, shape (lines,)
+        [Hz], ascending.
+    responses : dict of str to complex array of shape (lines, outputs), or one such array
+        By input: output per input, motions taken as exp(+i 2 pi f t).
+    outputs : list of str
+        Names of the outputs; default: ``"1"``, ``"2"``, ...
+    std : dict of str to array, or array, optional
+        Standard deviations of the real and of the imaginary part, each, as `responses`: they weigh the lines.
+    band : (float, float), optional
+        Lines that are used [Hz].
+    max_order : int
+        Largest number of poles of a model; 0: 120.
+    stabilisation : dict of str to float, optional
+        Limits by name, as of :func:`modal`.
+
+    Returns
+    -------
+    IdentifiedModes
+
+    Raises
+    ------
+    InvalidInput
+        With everything that is wrong: sizes that do not fit, fewer than two outputs or 32 lines, an output without motion.
+
+    Examples
+    --------
+    >>> import numpy as np, kalfem as kf
+    >>> f = np.linspace(1, 10, 400)
+    >>> s, rng = 2j * np.pi * f, np.random.default_rng(1)
+    >>> peak = 1 / (s**2 + 2 * 0.01 * 2 * np.pi * 5 * s + (2 * np.pi * 5) ** 2)
+    >>> noise = 1e-6 * (rng.normal(size=(400, 2)) + 1j * rng.normal(size=(400, 2)))
+    >>> found = kf.modal_of_responses(f, np.outer(peak, [1, -0.5]) + noise, outputs=["a", "b"], progress=False)
+    >>> len(found), abs(found[0].frequency - 5) < 4 * found[0].frequency_std
+    (1, True)
+    """
+    lines = np.asarray(frequencies, float)
+    by_input = {str(k): np.asarray(v, complex) for k, v in _by_input(responses).items()}
+    first = next(iter(by_input.values()))
+    names = list(outputs) or [f"{i}" for i in range(1, (first.shape[1] if first.ndim == 2 else 1) + 1)]
+    deviations = {} if std is None else {str(k): np.asarray(v, float) for k, v in _by_input(std).items()}
+    options = _options(band, max_order, stabilisation, threads)
+    with reporter(progress) as bar:
+        found = core.modal_of_responses(lines, by_input, names, deviations, options, bar)
+    found["modes"] = [IdentifiedMode(**each) for each in found["modes"]]
+    return IdentifiedModes(**found)
+
+
+def _by_input(given):
+    return given if isinstance(given, Mapping) else {"1": given}
 
 
 def merge_setups(

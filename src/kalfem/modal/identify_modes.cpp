@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "kalfem/base/interruption.hpp"
+#include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/parallel.hpp"
 #include "kalfem/modal/block_covariance.hpp"
 #include "kalfem/modal/modal_setup.hpp"
@@ -16,6 +17,7 @@
 #include "kalfem/modal/stabilisation.hpp"
 #include "kalfem/modal/state_space_poles.hpp"
 #include "kalfem/modal/subspace.hpp"
+#include "kalfem/records/frf_estimates.hpp"
 
 namespace kalfem {
 namespace {
@@ -64,9 +66,25 @@ IdentifiedMode mode_of(const PoleTrack& track, const StatePole& pole, const Subs
   return mode;
 }
 
+/// Frequency responses of the wanted channels to the inputs.
+FrfMatrix responses_to_inputs(const Record& record, const ModalOptions& options) {
+  std::vector<std::string> outputs = options.channels;
+  if (outputs.empty())
+    for (const auto& channel : record.channels)
+      if (std::ranges::find(options.inputs, channel.name) == options.inputs.end()) outputs.push_back(channel.name);
+  const auto& [seconds, window, estimator] = options.forced;
+  constexpr double usual_parts = 8.5;  // sixteen segments that overlap by half
+  if (!(seconds >= 0.0) || !std::isfinite(seconds))
+    throw InvalidInput(fmt::format("a segment of {} s is asked for", seconds), "a length must be positive", "");
+  const double samples = seconds > 0.0 ? seconds * record.sample_rate : double(record.samples()) / usual_parts;
+  return estimate_frfs({&record, 1}, options.inputs, outputs,
+                       {{.segment = static_cast<Index>(std::llround(samples)), .window = window}, estimator});
+}
+
 }  // namespace
 
 ModalResult identify_modes(const Record& given, const ModalOptions& options) {
+  if (!options.inputs.empty()) return identify_modes(responses_to_inputs(given, options), options);
   const ModalSetup setup = make_modal_setup(given, options);
   const Record& record = setup.record;
   const int threads = options.threads > 0 ? options.threads : processors();

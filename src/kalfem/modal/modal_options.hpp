@@ -22,11 +22,22 @@ struct StabilisationOptions {
   double least_participation = 0;  ///< of the channels' variance that a mode carries
 };
 
+/// How frequency responses are measured from the forces of a record.
+struct ForcedRecordOptions {
+  double segment = 0.0;  ///< length of a segment [s]; 0: such that sixteen, overlapping by half, cover the record
+  SpectralWindow window = SpectralWindow::hann;  ///< rectangular where responses decay within a segment (blows)
+  FrfEstimator estimator = FrfEstimator::h1;
+};
+
 /// How the modes of a record are identified.
 struct ModalOptions {
   std::vector<std::string> channels = {};    ///< outputs; empty: all of the record
   std::vector<std::string> references = {};  ///< channels that all are correlated with; empty: all outputs
-  std::optional<FrequencyBand> band = {};    ///< wanted modes [Hz]: filters and resamples the record
+  /// Channels of the record that are the forces, or the motion of the base: modes are then identified from frequency
+  /// responses to these. Empty: from responses alone.
+  std::vector<std::string> inputs = {};
+  ForcedRecordOptions forced = {};
+  std::optional<FrequencyBand> band = {};  ///< wanted modes [Hz]: filters and resamples the record
   int block_rows = 0;  ///< of the Hankel matrix: lags up to 2 block_rows - 1; 0: a period of the lowest
   int max_order = 0;   ///< largest order of the state-space models; 0: four a channel, from 30 to 100
   int blocks = 100;    ///< parts of the record whose scatter gives the covariance of the correlations

@@ -48,14 +48,21 @@ struct DiagramPole {
   bool stable = false;         ///< it belongs to a mode that is reported
 };
 
-/// The modes of a record and how they were found.
+/// How modes are identified.
+enum class ModalMethod {
+  subspace,          ///< of responses alone, covariance-driven stochastic subspace identification
+  rational_fraction  ///< of frequency responses: p-LSCF, then a modal model fitted by least squares
+};
+
+/// The modes of a record or of frequency responses, and how they were found.
 struct ModalResult {
   std::vector<std::string> channels;  ///< of the shapes
   std::vector<std::string> units;
-  std::vector<std::string> references;
-  double sample_rate = 0.0;  ///< of the samples that were used [Hz]
-  Eigen::Index samples = 0;
+  std::vector<std::string> references;  ///< of frequency responses the inputs
+  double sample_rate = 0.0;             ///< of the samples that were used [Hz]; 0 of frequency responses
+  Eigen::Index samples = 0;             ///< of frequency responses the lines
   int block_rows = 0, max_order = 0, blocks = 0;
+  ModalMethod method = ModalMethod::subspace;
   std::vector<IdentifiedMode> modes;  ///< by frequency
   std::vector<DiagramPole> diagram;   ///< every pole of every order
   std::vector<std::string> remarks;   ///< doubts about the settings and the record, a sentence each

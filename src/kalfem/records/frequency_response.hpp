@@ -25,8 +25,6 @@ struct FrequencyResponse {
   Eigen::MatrixXd coherence = {};   ///< gamma^2 of output and input, lines x outputs; 0 x 0: not known
 };
 
-enum class SpectralWindow { hann, rectangular };
-
 /// How spectra of a record are averaged [Wel67].
 struct H1Options {
   Eigen::Index segment = 0;  ///< samples; the lines are sample_rate / segment apart

@@ -2,9 +2,32 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <string>
 #include <vector>
 
+#include "kalfem/records/record.hpp"
+
 namespace kalfem {
+
+enum class SpectralWindow { hann, rectangular };
+
+/// How frequency responses are estimated from spectra of a record, with S_yf those of outputs and forces.
+enum class FrfEstimator {
+  h1,  ///< S_yf S_ff^-1: noise on the outputs does not bias it
+  h2,  ///< S_yy / S_fy of one force: noise on the force does not
+  hv   ///< total least squares: noise on both, in proportion to their spectra
+};
+
+/// Frequency response functions (FRFs) between several inputs and outputs on common lines: output per input, motions
+/// taken as exp(+i 2 pi f t).
+struct FrfMatrix {
+  Eigen::VectorXd lines;         ///< [Hz], ascending
+  std::vector<Channel> outputs;  ///< one a column
+  std::vector<std::string> inputs;
+  std::vector<Eigen::MatrixXcd> values;  ///< one an input, lines x outputs
+  /// Standard deviation of the real and of the imaginary part, each, as `values`; empty: not known.
+  std::vector<Eigen::MatrixXd> deviations = {};
+};
 
 /// A range of frequencies [Hz].
 struct FrequencyBand {

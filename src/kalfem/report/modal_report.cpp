@@ -25,6 +25,8 @@ namespace {
 using Eigen::Index;
 using Json = nlohmann::ordered_json;
 
+bool is_of_responses(const ModalResult& result) { return result.method == ModalMethod::rational_fraction; }
+
 /// A value with so many digits that its deviation has two.
 std::string rounded(double value, double deviation) {
   const int decimals = deviation > 0.0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(deviation))), 0, 12) : 4;
@@ -168,12 +170,22 @@ Eigen::MatrixXd real_shapes(const ModalResult& result) {
   return shapes;
 }
 
-std::string modal_text(const std::string& source, const ModalResult& result) {
-  std::string text = fmt::format(
+/// What the modes were identified from, and how.
+static std::string heading(const std::string& source, const ModalResult& result) {
+  const std::string channels = counted(std::ssize(result.channels), "channel");
+  if (is_of_responses(result))
+    return fmt::format(
+        "{}: frequency responses of {} to {} at {}\nFractions of orders up to {}, then one modal model\n\n", source,
+        channels, counted(std::ssize(result.references), "input"), counted(result.samples, "line"), result.max_order);
+  return fmt::format(
       "{}: {}, {} at {} Hz ({} s)\nModels of orders 2 to {} from correlations over {}, deviations from {} blocks\n\n",
-      source, counted(std::ssize(result.channels), "channel"), counted(result.samples, "sample"),
-      four_digits(result.sample_rate), four_digits(static_cast<double>(result.samples) / result.sample_rate),
-      result.max_order, counted(2 * result.block_rows - 1, "lag"), result.blocks);
+      source, channels, counted(result.samples, "sample"), four_digits(result.sample_rate),
+      four_digits(static_cast<double>(result.samples) / result.sample_rate), result.max_order,
+      counted(2 * result.block_rows - 1, "lag"), result.blocks);
+}
+
+std::string modal_text(const std::string& source, const ModalResult& result) {
+  std::string text = heading(source, result);
   if (result.modes.empty())
     text += "No mode holds over the orders.\n";
   else
@@ -184,15 +196,21 @@ std::string modal_text(const std::string& source, const ModalResult& result) {
 
 Page modal_page(const std::string& source, const ModalResult& result) {
   Page page{.title = source,
-            .subtitle = "Modes identified from responses alone",
+            .subtitle = is_of_responses(result) ? "Modes identified from frequency responses"
+                                                : "Modes identified from responses alone",
             .summary = counted(std::ssize(result.modes), "mode") + " of " +
                        counted(std::ssize(result.channels), "channel") + ".",
             .warnings = result.remarks};
-  Section modes{.heading = "Modes", .text = "Standard deviations are of the record's finite length."};
+  Section modes{.heading = "Modes",
+                .text = is_of_responses(result)
+                            ? "Standard deviations come from the scatter of the responses about the fitted modal model."
+                            : "Standard deviations are of the record's finite length."};
   modes.items.emplace_back(mode_table(result));
   modes.items.emplace_back(Picture{.title = "Stabilisation diagram",
-                                   .caption = "Blue: poles of modes, with two standard deviations to each side; grey: "
-                                              "other poles of the models.",
+                                   .caption = is_of_responses(result)
+                                                  ? "Blue: poles that hold over the orders; grey: other poles."
+                                                  : "Blue: poles of modes, with two standard deviations to each side; "
+                                                    "grey: other poles of the models.",
                                    .svg = stabilisation_svg(result)});
   if (!result.modes.empty()) {
     HeatMap shapes{.name = "Mode shapes",
@@ -212,6 +230,7 @@ Page modal_page(const std::string& source, const ModalResult& result) {
 Json modal_json(const std::string& source, const ModalResult& result) {
   Json json{{"kalfem", version},
             {"record", source},
+            {"method", is_of_responses(result) ? "p-LSCF" : "subspace"},
             {"sample_rate_hz", number(result.sample_rate)},
             {"samples", result.samples},
             {"block_rows", result.block_rows},

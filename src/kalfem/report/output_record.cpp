@@ -58,20 +58,30 @@ OutputRecord outputs_of_case(const std::filesystem::path& file, const std::vecto
 }  // namespace
 
 OutputRecord read_outputs(const std::filesystem::path& file, const std::vector<std::string>& channels,
-                          std::optional<double> sample_rate) {
-  if (is_case(file)) return outputs_of_case(file, channels);
-  const MeasuredFile measured = read_measured_file(file, {.channels = channels});
+                          std::optional<double> sample_rate, const std::vector<std::string>& inputs) {
+  if (is_case(file)) {
+    if (inputs.empty()) return outputs_of_case(file, channels);
+    throw InvalidInput(Issue{{file.string(), 1},
+                             "inputs of a case are asked for",
+                             "frequency responses are measured from a record with its forces",
+                             "name the record's file itself"});
+  }
+  std::vector<std::string> wanted_names = channels;
+  if (!channels.empty()) wanted_names.insert(wanted_names.begin(), inputs.begin(), inputs.end());
+  const MeasuredFile measured = read_measured_file(file, {.channels = wanted_names});
   OutputRecord outputs;
   std::vector<std::string> names = channels;
   if (names.empty())
     for (const auto& channel : measured.channels)
-      (is_force(channel) ? outputs.left_out : names).push_back(channel.name);
+      if (std::ranges::find(inputs, channel.name) == inputs.end())
+        (is_force(channel) ? outputs.left_out : names).push_back(channel.name);
   if (names.empty())
     throw InvalidInput(Issue{{file.string(), 0},
                              "the file has no channel of a response",
                              "modes are identified from time records of motions or strains",
                              "look at what it holds: kalfem inspect " + file.string()});
   std::vector<WantedChannel> chosen;
+  for (const auto& name : inputs) chosen.push_back(wanted(name, measured));
   for (const auto& name : names) {
     chosen.push_back(wanted(name, measured));
     const auto at = std::ranges::find(measured.channels, name, &MeasuredChannel::name);

@@ -18,9 +18,10 @@ struct OutputRecord {
   std::vector<std::string> left_out = {};  ///< forces of the file, when no channels were asked for
 };
 
-/// The named channels of a measured file of any format, or all that are no forces; of a case (.yaml) its sensors.
-/// Throws InvalidInput as the readers do, for a case without a record, and where no channel is left.
+/// The named channels of a measured file of any format, or all that are no forces; of a case (.yaml) its sensors. The
+/// channels of `inputs` come first in the record, without a place. Throws InvalidInput as the readers do, for a case
+/// without a record or with inputs, and where no channel is left.
 OutputRecord read_outputs(const std::filesystem::path& file, const std::vector<std::string>& channels,
-                          std::optional<double> sample_rate);
+                          std::optional<double> sample_rate, const std::vector<std::string>& inputs = {});
 
 }  // namespace kalfem
