@@ -456,6 +456,7 @@ substructures:
         arm: {material: steel, beam: {section: {rectangular_tube: {width: 20 mm, height: 30 mm, wall: 2 mm}}, up: [0, 1, 0]}}
       nodes: {tip: 4, foot: 1}
       fixed: {clamp: {nodes: foot}}
+      factors: {legs: {elements: [leg], of: both, value: 1.1}}
   rod:
     finite_elements:
       tables: {nodes: nodes.csv, elements: elements.csv}
@@ -480,6 +481,8 @@ substructures:
     finite_elements:
       matrices: {files: [K.mtx, M.mtx], dofs: map.txt, stiffness: K, mass: M}
       units: {length: 1 mm, mass: 1 t, time: 1 s}
+      factors:
+        stay: {matrices: {stiffness: K.mtx, mass: {file: M.mtx, name: M}, dofs: map.txt}, value: 0.5}
       nodes: {foot: 11, top: 13}
   truss:
     finite_elements:

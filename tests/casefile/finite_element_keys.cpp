@@ -247,6 +247,36 @@ void matrices() {
   near(slow.mass.coeff(0, 0), 2.0 * 3);
 }
 
+/// A factor of the same two degrees of freedom, and of elements.
+void factors() {
+  matrices();  // writes the files
+  const std::string whole = "matrices: {files: [stiff.mtx, heavy.mtx], stiffness: stiff, mass: heavy, dofs: rows.txt}";
+  const auto with_factor = [&](const std::string& factor) {
+    return with_elements(whole + ", factors: {a: {" + factor + "}}");
+  };
+  const auto full = [](const Study& study) { return part_of(study).full; };
+  near(full(with_factor("matrices: {stiffness: lossy.mtx}")).stiffness.coeff(0, 1), -11.0);
+  near(full(with_factor("matrices: {stiffness: lossy.mtx}, value: 3")).stiffness.coeff(0, 1), -13.0);
+  near(full(with_factor("matrices: {mass: lossy.mtx}, value: 2")).mass.coeff(0, 0), 12.0);
+  near(full(with_factor("matrices: {damping: lossy.mtx}, value: 2")).damping.coeff(0, 0), 10.0);
+  near(full(with_factor("matrices: {stiffness: {file: lossy.mtx, name: lossy}}")).stiffness.coeff(1, 1), 34.0);
+  for (const std::string kind : {"stiffness", "mass", "damping"})
+    EXPECT_THROW(with_factor("matrices: {" + kind + ": {file: lossy.mtx, name: other}}"), InvalidInput);
+  write_file("turned.txt", "2.rx\n1.z\n");
+  near(full(with_factor("matrices: {stiffness: lossy.mtx, dofs: turned.txt}")).stiffness.coeff(0, 0), 44.0);
+  write_file("two_nodes.txt", "1\n");
+  EXPECT_THROW(with_factor("matrices: {stiffness: lossy.mtx, dofs: two_nodes.txt, directions: 3}"), InvalidInput);
+
+  const auto of_elements = [&](const std::string& factor) { return full(with_mesh("factors: {a: {" + factor + "}}")); };
+  const auto plain = full(with_mesh(""));
+  const auto ratio = [](const SparseMatrix& one, const SparseMatrix& other) { return one.norm() / other.norm(); };
+  near(ratio(of_elements("elements: plate, value: 2").stiffness, plain.stiffness), 2.0, many_roundings);
+  near(ratio(of_elements("elements: steel, value: 2").mass, plain.mass), 1.0, many_roundings);
+  near(ratio(of_elements("elements: [plate], of: mass, value: 2").mass, plain.mass), 2.0, many_roundings);
+  near(ratio(of_elements("elements: [plate], of: mass, value: 2").stiffness, plain.stiffness), 1.0, many_roundings);
+  near(ratio(of_elements("elements: [1-9], of: both, value: 3").mass, plain.mass), 3.0, many_roundings);
+}
+
 // --- materials, regions, sections ------------------------------------------------------------------------------------
 
 void materials() {
@@ -605,6 +635,10 @@ KeyChecks finite_element_keys() {
   for (const std::string set : {"matrices.", "matrices[]."})
     add(at + set, {"files", "stiffness", "mass", "damping", "dofs", "directions"}, matrices);
   add(at, {"coordinates"}, matrices);
+  add(at + "factors.*.", {"value", "elements", "of"}, factors);
+  for (const std::string matrix : {"stiffness", "mass", "damping"})
+    add(at + "factors.*.matrices.", {matrix, matrix + ".file", matrix + ".name"}, factors);
+  add(at + "factors.*.matrices.", {"dofs", "directions"}, factors);
   add(at + "materials.*.", {"youngs_modulus", "poissons_ratio", "density"}, materials);
   add(at + "regions.*.", {"material", "shell.thickness", "shell.offset"}, shell_regions);
   add(at + "regions.*.", {"solid.integration"}, solid_regions);
