@@ -273,6 +273,7 @@ update:
   stages: 2
   tolerance: 1e-3
   check_sensitivities: false
+  write_deck: decks
 modifications:
   heavier: {substructure: body, set: {2.mass: 2 kg}, modes: 2, above: 1 Hz}
 )";

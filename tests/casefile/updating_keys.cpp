@@ -5,6 +5,7 @@
 #include "kalfem/formats/universal/universal.hpp"
 #include "kalfem/steps/prediction/outcome.hpp"
 #include "kalfem/steps/simulation/outcome.hpp"
+#include "kalfem/study/updated_decks.hpp"
 #include "kalfem/updating/global_search.hpp"
 
 /// Keys of the updating: residuals against their definition, the search against the library's with the same options.
@@ -398,6 +399,17 @@ void modifications() {
   near(frequencies_of("set: {k.stiffness: 1600}, above: 2 Hz").frequencies, vector({changed[1]}), many_roundings);
 }
 
+/// The folder of updated decks, beside the case; without it, in that of the results.
+void folders_of_decks() {
+  const auto folder_of = [](const std::string& text) {
+    const auto study = with_update(text + "parameters: {s.k.stiffness: {}}, " + frequencies);
+    return updated_decks(study, Eigen::VectorXd::Ones(1)).folder;
+  };
+  EXPECT_EQ(folder_of(""), "updated_decks");
+  EXPECT_EQ(folder_of("write_deck: decks, ").filename(), "decks");
+  EXPECT_TRUE(folder_of("write_deck: decks, ").is_absolute());
+}
+
 }  // namespace
 
 KeyChecks updating_keys() {
@@ -433,6 +445,7 @@ KeyChecks updating_keys() {
   add(at, {"starts", "seed"}, many_starts);
   add(at, {"method", "evolution.generations", "evolution.population", "evolution.seed"}, evolutions);
   add(at, {"check_sensitivities"}, sensitivity_checks);
+  add(at, {"write_deck"}, folders_of_decks);
   add(at, {"known_to"}, what_is_known_of_fixed_numbers);
   add("modifications.*.", {"substructure", "set", "modes", "above"}, modifications);
   return keys;

@@ -129,3 +129,51 @@ def test_a_file_of_modes_is_a_comparison_and_is_correlated(record, tmp_path):
     assert sorted(exchanged.mistakes[0].sensors) == ["floor 1", "floor 2"]
     with pytest.raises(kf.InvalidInput, match="floor 9"):
         found.measured("frame", {"frame.1": "floor 9"})
+
+
+def forced(noise=0.02):
+    """Velocities under a white force at the first floor, and the force."""
+    frequencies, shapes = truth()
+    random = np.random.default_rng(5)
+    step = np.exp(2 * np.pi * frequencies * (-0.01 + 1j) / RATE)
+    f, z, y = random.normal(size=30000), np.zeros(STOREYS, complex), []
+    for each in f:
+        z = step * z + each * shapes[0]
+        y.append(shapes @ z.real)
+    y = np.array(y)
+    y += noise * y.std(axis=0) * random.normal(size=y.shape)
+    return np.arange(f.size) / RATE, {"f": f} | {f"floor {i + 1}": y[:, i] for i in range(STOREYS)}
+
+
+def test_measured_forces_give_the_modes_too():
+    t, y = forced()
+    found = kf.modal(y, t, inputs=["f"], segment=60, progress=False)
+    frequencies, shapes = truth()
+    assert len(found) == STOREYS and found.references == ["f"] and "f" not in found.channels
+    for mode, frequency, shape in zip(found, frequencies, shapes.T):
+        assert abs(mode.frequency / frequency - 1) < 2e-3
+        assert abs(mode.damping / 0.01 - 1) < 0.15
+        assert abs(np.vdot(mode.shape, shape)) ** 2 > 0.99 * np.vdot(mode.shape, mode.shape).real
+    with pytest.raises(kf.InvalidInput, match="estimator"):
+        kf.modal(y, t, inputs=["f"], estimator="h4", progress=False)
+
+
+def test_frequency_responses_give_the_modes():
+    frequencies, shapes = truth()
+    f = np.linspace(1, 22, 1200)
+    s, omega = 2j * np.pi * f[:, None], 2 * np.pi * frequencies
+    single = s / (s**2 + 0.02 * omega * s + omega**2)
+    random = np.random.default_rng(6)
+    responses = {}
+    for floor in (0, 2):
+        exact = (single * shapes[floor]) @ shapes.T
+        size = 0.01 * np.sqrt(np.mean(abs(exact) ** 2, axis=0) / 2)
+        responses[f"f{floor + 1}"] = exact + size * (random.normal(size=exact.shape) + 1j * random.normal(size=exact.shape))
+    found = kf.modal_of_responses(f, responses, outputs=["a", "b", "c"], progress=False)
+    assert found.channels == ["a", "b", "c"] and found.references == ["f1", "f3"]
+    assert np.allclose(found.frequencies, frequencies, rtol=2e-4)
+    assert np.allclose(found.damping, 0.01, rtol=0.02)
+    run = found.measured("frame", ["frame.1", "frame.2", "frame.3"])
+    assert run is not None
+    with pytest.raises(kf.InvalidInput, match="lines"):
+        kf.modal_of_responses(f[:10], {k: v[:10] for k, v in responses.items()}, progress=False)

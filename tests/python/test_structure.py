@@ -348,3 +348,36 @@ def test_a_geophone_moves_the_ground_as_its_displacement_does():
     assert s.contents["inputs"] == [("g", "m/s", "m.ground")]
     with pytest.raises(kf.InvalidInput, match="would drift"):
         kf.Filter(s, 100.0, sensors={"a": kf.acceleration("m.1", noise=0.1)})
+
+
+def test_factors_of_elements_and_of_matrices_are_updated(tmp_path):
+    def frame(value):
+        return kf.read_deck(bar(tmp_path), units="mm t s", name="b").fix("foot").factor("part", ["1"], value=value)
+
+    measured = frame(0.8).natural_frequencies(3)
+    run = kf.update(kf.Structure().add(frame(1.0)), "b", measured, 1e-4 * measured, ["b.part.factor"], progress=False)
+    assert run.parameters["b.part.factor"].value == pytest.approx(0.8, rel=1e-3)
+    assert run.summary["updating"]["before"]["groups"] == [["b.part.factor"]]
+    with pytest.raises(kf.InvalidInput, match="there are no elements 'part'"):
+        frame(1.0).factor("other", ["part"])
+
+    def write(name, matrix):
+        rows, columns = matrix.shape
+        values = "\n".join(repr(float(each)) for each in matrix.T.ravel())
+        (tmp_path / f"{name}.mtx").write_text(f"%%MatrixMarket matrix array real general\n{rows} {columns}\n{values}\n")
+
+    K0, K1 = np.diag([3000.0, 2000.0]), np.array([[1.0, -1.0], [-1.0, 1.0]]) * 1000
+    write("K0", K0), write("M0", np.eye(2)), write("K1", K1)
+    (tmp_path / "rows.dof").write_text("1.1\n2.1\n")
+    files = [tmp_path / "K0.mtx", tmp_path / "M0.mtx"]
+
+    def pair(**more):
+        factors = {"link": {"stiffness": tmp_path / "K1.mtx", **more}}
+        return kf.read_matrices(files, dofs=tmp_path / "rows.dof", name="m", factors=factors)
+
+    omega = np.sqrt(np.linalg.eigvalsh(K0 + 1.5 * K1)) / (2 * np.pi)
+    assert pair(value=1.5).natural_frequencies(2) == pytest.approx(omega)
+    run = kf.update(kf.Structure().add(pair()), "m", omega, 1e-4 * omega, ["m.link.factor"], progress=False)
+    assert run.parameters["m.link.factor"].value == pytest.approx(1.5, rel=1e-3)
+    with pytest.raises(kf.InvalidInput, match="'stifness'"):
+        pair(stifness=1)

@@ -155,6 +155,7 @@ struct Updating {
   std::uint64_t seed = 1;
   Named<Value> known_to;  ///< standard deviations of numbers that are held fixed
   Named<Located<UpdatingAlternative>> alternatives;
+  std::optional<std::filesystem::path> write_deck;  ///< folder; if empty, updated_decks in that of the results
 };
 
 /// A change of some parameters of the updated structure, whose natural frequencies are predicted.

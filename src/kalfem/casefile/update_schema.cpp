@@ -249,6 +249,9 @@ Schema<Updating> updating() {
           .optional("evolution", &Updating::evolution, mapping(evolution), "options of method: cma_es")
           .optional("check_sensitivities", &Updating::check_sensitivities, boolean(),
                     "check the residual's derivatives against finite differences at the start")
+          .optional("write_deck", &Updating::write_deck, path(false),
+                    "folder into which decks with the updated values are written, each below the name of its "
+                    "substructure; default: updated_decks in the folder of the results")
           .optional("known_to", &Updating::known_to, named(value(), NameRule::dotted),
                     "standard deviations of numbers that are not updated, which intervals then hold, as in "
                     "estimate.known_to; gains are those of what is compared: tip.z.gain of a response, "

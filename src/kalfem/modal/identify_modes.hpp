@@ -18,7 +18,7 @@ namespace kalfem {
 ModalResult identify_modes(const Record& record, const ModalOptions& options = {});
 
 /// Modes of a structure from frequency responses to known forces, or to motions of its base: the poly-reference
-/// least-squares complex frequency-domain method (p-LSCF, "PolyMAX") [GVVPV03, PVGL04] for every degree up to
+/// least-squares complex frequency-domain method (p-LSCF, "PolyMAX") [GVVP03, PVGL04] for every degree up to
 /// `max_order` (default 120) over the number of inputs, stabilisation as of the subspace method, then a modal model
 /// with all stable poles, fitted to all responses by least squares, which gives frequencies, dampings, shapes and their
 /// covariances. `channels` are the outputs; `band` the lines that are used; `references`, `block_rows` and `blocks`

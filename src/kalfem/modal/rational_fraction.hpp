@@ -22,14 +22,14 @@ struct FittedResponses {
   [[nodiscard]] Eigen::Index inputs() const { return static_cast<Eigen::Index>(values.size()); }
 };
 
-/// Poly-reference least-squares complex frequency-domain method (p-LSCF, "PolyMAX") [GVVPV03, PVGL04]: a right matrix
+/// Poly-reference least-squares complex frequency-domain method (p-LSCF, "PolyMAX") [GVVP03, PVGL04]: a right matrix
 /// fraction
 ///     H(omega) = B(omega) A(omega)^-1,   A = sum_r z^r A_r (inputs x inputs),   B_o = sum_r z^r B_or,   r = 0 .. n,
 /// with complex coefficients in z = exp(i theta), where the band of omega is mapped to most of the unit circle. The
 /// equation errors w_k (B_o - H_o A) are least for B_o = R^-1 S_o A, which leaves the reduced normal equations
 ///     M A = 0,   M = sum_o (T_o - S_o^H R^-1 S_o),   A_0 = 1.
 /// All sums over lines are of products with powers z^d, d = -n .. n, so that they are made once for all orders. With
-/// A_0 fixed, poles of noise have a negative damping and physical ones a positive [CGVP04], which makes clear diagrams.
+/// A_0 fixed, poles of noise have a negative damping and physical ones a positive [CGVV04], which makes clear diagrams.
 class RationalFraction {
 public:
   /// `max_degree`: the largest n.

@@ -144,6 +144,11 @@ private:
     if (!given_.update) return;
     const auto& update = *given_.update;
     const bool evolves = update.method == UpdatingMethod::evolution;
+    const auto is_deck = [](const auto& each) {
+      return each.second.finite_elements && std::holds_alternative<d::DeckFile>(each.second.finite_elements->source);
+    };
+    if (std::ranges::none_of(given_.substructures, is_deck))
+      warn({"update", "write_deck"}, "no substructure is made of a deck");
     if (!evolves) warn({"update", "evolution"}, "it applies to method: cma_es only");
     if (evolves) warn({"update", "starts"}, "method: cma_es chooses its own points");
     if (evolves || update.starts == 1) warn({"update", "seed"}, "there is one starting point");

@@ -37,6 +37,8 @@ std::vector<DeckValue> updated_values(const Study& study, const std::string& sub
 
 UpdatedDecks updated_decks(const Study& study, const Eigen::VectorXd& values) {
   UpdatedDecks result;
+  if (study.description->update && study.description->update->write_deck)
+    result.folder = *study.description->update->write_deck;
   for (const auto& [name, substructure] : study.description->substructures) {
     const auto* file =
         substructure.finite_elements ? std::get_if<d::DeckFile>(&substructure.finite_elements->source) : nullptr;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct SubstructureDeck {
 /// Of every substructure that is made of a deck and has updated parameters.
 struct UpdatedDecks {
   std::vector<SubstructureDeck> decks;
+  std::filesystem::path folder = "updated_decks";  ///< in that of the results, where it is relative
 };
 
 /// The decks at the values of the updated parameters. Materials and thicknesses that the case replaces are written too.

@@ -10,10 +10,8 @@
 namespace kalfem {
 namespace {
 
-constexpr const char* folder_name = "updated_decks";
-
-std::filesystem::path place_of(const SubstructureDeck& deck) {
-  return std::filesystem::path(folder_name) / deck.substructure;
+std::filesystem::path place_of(const UpdatedDecks& decks, const SubstructureDeck& deck) {
+  return decks.folder / deck.substructure;
 }
 
 std::string quoted(std::string text) {
@@ -27,7 +25,7 @@ void write_updated_decks(const std::filesystem::path& folder, const UpdatedDecks
   if (decks.decks.empty()) return;
   std::string csv = "substructure,parameter,file,line,card,field,before,after,remark\n";
   for (const auto& each : decks.decks) {
-    if (!each.deck.texts.empty()) write_deck(each.deck, folder / place_of(each));
+    if (!each.deck.texts.empty()) write_deck(each.deck, folder / place_of(decks, each));
     for (const auto& change : each.deck.changes)
       csv += fmt::format("{},{},{},{},{},{},{},{},{}\n", quoted(each.substructure), quoted(change.parameter),
                          quoted(change.where.file), change.where.line, quoted(change.card), quoted(change.field),
@@ -36,15 +34,15 @@ void write_updated_decks(const std::filesystem::path& folder, const UpdatedDecks
       csv += fmt::format("{},{},,,,,,,{}\n", quoted(each.substructure), quoted(left.parameter),
                          quoted("not written: " + left.why + "; " + left.fix));
   }
-  std::filesystem::create_directories(folder / folder_name);
-  write_file_atomically(folder / folder_name / "changes.csv", csv);
+  std::filesystem::create_directories(folder / decks.folder);
+  write_file_atomically(folder / decks.folder / "changes.csv", csv);
 }
 
 nlohmann::ordered_json updated_decks_summary(const UpdatedDecks& decks) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const auto& each : decks.decks) {
     nlohmann::ordered_json entry = {{"substructure", each.substructure}, {"file", nullptr}};
-    if (!each.deck.texts.empty()) entry["file"] = (place_of(each) / each.deck.file).string();
+    if (!each.deck.texts.empty()) entry["file"] = (place_of(decks, each) / each.deck.file).string();
     entry["changes"] = nlohmann::ordered_json::array();
     for (const auto& change : each.deck.changes)
       entry["changes"].push_back({{"parameter", change.parameter},
@@ -67,7 +65,8 @@ nlohmann::ordered_json updated_decks_summary(const UpdatedDecks& decks) {
 Table updated_decks_table(const UpdatedDecks& decks) {
   Table table{.title = "Changed fields of the decks",
               .columns = {"parameter", "card", "field", "line", "before", "after", "remark"},
-              .caption = "The decks with these fields stand in updated_decks; everything else in them is as it was."};
+              .caption = "The decks with these fields stand in " + decks.folder.string() +
+                         "; everything else in them is as it was."};
   for (const auto& each : decks.decks)
     for (const auto& change : each.deck.changes)
       table.rows.push_back({change.parameter, change.card, change.field, std::to_string(change.where.line),
@@ -79,7 +78,7 @@ std::string updated_decks_words(const UpdatedDecks& decks) {
   std::string text;
   for (const auto& each : decks.decks) {
     if (!each.deck.texts.empty())
-      text += fmt::format("Updated deck: {} ({} changed field{})\n", (place_of(each) / each.deck.file).string(),
+      text += fmt::format("Updated deck: {} ({} changed field{})\n", (place_of(decks, each) / each.deck.file).string(),
                           each.deck.changes.size(), each.deck.changes.size() == 1 ? "" : "s");
     if (!each.failure.empty())
       text += fmt::format("the deck of '{}' cannot be read again: {}\n", each.substructure, each.failure);

@@ -10,8 +10,8 @@
 
 namespace kalfem {
 
-/// Writes each deck below updated_decks/SUBSTRUCTURE, and updated_decks/changes.csv with every changed field, and every
-/// value that no field states.
+/// Writes each deck below UpdatedDecks::folder/SUBSTRUCTURE, and changes.csv beside with every changed field, and every
+/// value that no field states. `folder`: of the results.
 void write_updated_decks(const std::filesystem::path& folder, const UpdatedDecks& decks);
 
 /// The array "decks" of "updating" in summary.json.
