@@ -143,6 +143,28 @@ py::dict infer_record(const Structure& structure, const py::object& t, const py:
   }));
 }
 
+py::dict infer_comparisons(const Structure& structure, const py::dict& compared, const py::dict& question,
+                           const py::object& progress) {
+  Structure moved = structure;
+  const UpdateOptions comparisons = update_options_of(moved, compared);
+  InferOptions options{.sensors = {},
+                       .unknowns = {},
+                       .priors = priors_of(structure, question["priors"]),
+                       .likelihood = LikelihoodKind::comparisons,
+                       .method = choice_of<PosteriorMethod>("method", question["method"],
+                                                            {{"importance", PosteriorMethod::importance},
+                                                             {"laplace", PosteriorMethod::laplace},
+                                                             {"tempered", PosteriorMethod::tempered},
+                                                             {"metropolis", PosteriorMethod::metropolis}}),
+                       .samples = cast_of<int>(question["samples"], "samples"),
+                       .seed = cast_of<std::uint64_t>(question["seed"], "seed"),
+                       .profile = cast_of<std::vector<std::string>>(question["profile"], "profile")};
+  return dict_of(long_call(structure, progress, [&](const Progress& report) {
+    options.progress = report;
+    return infer(moved, comparisons, options);
+  }));
+}
+
 py::list compare_structures(const py::dict& structures, const py::object& t, const py::object& y,
                             const py::dict& inputs, const py::dict& arguments, const py::dict& unknown,
                             const py::dict& question, const py::object& progress) {
@@ -191,6 +213,8 @@ void bind_infer(py::module_& module) {
   module.def("infer", &infer_record, py::arg("structure"), py::arg("t"), py::arg("y"), py::arg("inputs"),
              py::arg("arguments"), py::arg("question"), py::arg("progress") = py::none(),
              "The posterior of a record: see kalfem.infer.");
+  module.def("infer_comparisons", &infer_comparisons, py::arg("structure"), py::arg("compared"), py::arg("question"),
+             py::arg("progress") = py::none(), "The posterior of comparisons: see kalfem.infer_comparisons.");
   module.def("compare", &compare_structures, py::arg("structures"), py::arg("t"), py::arg("y"), py::arg("inputs"),
              py::arg("arguments"), py::arg("unknown"), py::arg("question"), py::arg("progress") = py::none(),
              "Which structure a record comes from: see kalfem.compare.");

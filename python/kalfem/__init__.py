@@ -44,7 +44,7 @@ _NAMES = {
         "resonance",
         "gain",
     ),
-    "inferring": ("infer", "compare", "ComparedStructure"),
+    "inferring": ("infer", "infer_comparisons", "compare", "ComparedStructure"),
     "mixing": ("mixture", "Mixture"),
     "posterior": ("Posterior",),
     "analysis": ("estimate", "predict", "simulate", "update"),
@@ -140,7 +140,12 @@ if TYPE_CHECKING:
         UnknownName as UnknownName,
     )
     from .finished_runs import RunComparison as RunComparison, compare_runs as compare_runs
-    from .inferring import ComparedStructure as ComparedStructure, compare as compare, infer as infer
+    from .inferring import (
+        ComparedStructure as ComparedStructure,
+        compare as compare,
+        infer as infer,
+        infer_comparisons as infer_comparisons,
+    )
     from .law_library import laws as laws
     from .likelihood import Likelihood as Likelihood
     from .live import Estimate as Estimate, Filter as Filter
@@ -152,6 +157,7 @@ if TYPE_CHECKING:
         IdentifiedModes as IdentifiedModes,
         merge_setups as merge_setups,
         modal as modal,
+        modal_of_responses as modal_of_responses,
     )
     from .mode_sets import ModeSet as ModeSet, read_modes as read_modes
     from .correlating import (

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from .analysis import _update_arguments
 from .compiled import core
 from .display import rounded
 from .errors import InvalidInput, Issue, unknown_name
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
     from ._core import Sensor, Structure
     from .analysis import Progress
+    from .comparing import MeasuredDeflections, MeasuredModes, MeasuredRecord, MeasuredResponses
 
 
 def infer(
@@ -124,6 +126,75 @@ def infer(
     }
     with reporter(progress) as bar:
         found = core.infer(structure, t, y, dict(inputs or {}), arguments, question, bar)
+    return _posterior(found)
+
+
+def infer_comparisons(
+    structure: Structure,
+    parameters: Mapping[str, Any] | Sequence[str],
+    compare: Mapping[str, MeasuredModes | MeasuredResponses | MeasuredDeflections | MeasuredRecord],
+    *,
+    priors: Mapping[str, Mapping[str, Any]] | None = None,
+    method: str = "importance",
+    samples: int = 1000,
+    seed: int = 1,
+    profile: str | Sequence[str] = (),
+    progress: Progress = True,
+) -> Posterior:
+    """The posterior of parameters of linear substructures by what an updating compares.
+
+    Modes count with the covariances of their shapes, ``compare={"test": found.measured("frame", points)}``.
+
+    Parameters
+    ----------
+    structure, parameters, compare
+        As in :func:`update`: the prior of a parameter is normal with its ``std``, cut at its bounds.
+    priors : dict of str to dict, optional
+        Priors of other shapes, as in :func:`infer`. A parameter without ``std`` and without a prior here needs bounds.
+    method, samples, seed, profile
+        As in :func:`infer`; ``method`` is not ``filter``.
+
+    Returns
+    -------
+    Posterior
+
+    Examples
+    --------
+    >>> import kalfem as kf
+    >>> s = kf.Structure()
+    >>> _ = s.add(kf.lumped("m").mass("1", 2.0).spring("k", "ground", "1", 2e3))
+    >>> tested = kf.MeasuredDeflections({"m.1": 10.0}, {"m.1": "4 mm"}, std="0.01 mm")
+    >>> found = kf.infer_comparisons(s, {"m.k.stiffness": (2e3, 1e3)}, {"pull": tested}, progress=False)
+    >>> abs(found.mean[0] - 2500) < 5, 5 < found.std[0] < 8
+    (True, True)
+    """
+    compared = _update_arguments(
+        dict(
+            substructure="",
+            frequencies=(),
+            std=0.0,
+            parameters=parameters,
+            compare=compare,
+            modes=None,
+            above=0.0,
+            max_evaluations=100,
+            tolerance=1e-6,
+            known_to=None,
+        )
+    )
+    question = {
+        "priors": _plain(priors or {}),
+        "method": method,
+        "samples": samples,
+        "seed": seed,
+        "profile": _names(profile),
+    }
+    with reporter(progress) as bar:
+        found = core.infer_comparisons(structure, compared, question, bar)
+    return _posterior(found)
+
+
+def _posterior(found):
     entries = found.pop("entries")
     return Posterior(
         names=[each["name"] for each in entries],

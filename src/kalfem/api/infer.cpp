@@ -14,6 +14,8 @@ namespace {
 
 constexpr double share_of_filter = 0.1;  ///< of the time, for the estimates from which the search begins
 
+}  // namespace
+
 InferResult result_of(InferenceResult found) {
   const Index count = found.samples.values.cols();
   InferResult result{.parameters = posterior_parameters(found.units, found.prior, found.posterior, found.most_probable),
@@ -45,8 +47,6 @@ InferResult result_of(InferenceResult found) {
     result.bands.push_back({each.sensor, each.unit, each.mean, each.lower, each.upper, each.coverage});
   return result;
 }
-
-}  // namespace
 
 std::vector<PosteriorParameter> posterior_parameters(const std::vector<std::string>& units,
                                                      const std::vector<ParameterSummary>& prior,

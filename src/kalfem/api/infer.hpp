@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "kalfem/api/estimate.hpp"
+#include "kalfem/api/update.hpp"
 #include "kalfem/identification/inference_choices.hpp"
 #include "kalfem/sampling/marginal_prior.hpp"
 #include "kalfem/sampling/posterior_mode.hpp"
@@ -105,5 +106,15 @@ struct InferResult {
 /// InvalidInput with every argument that is wrong, by its place ("priors[0] 'mount.k': ..."), and where no start has a
 /// likelihood. What the numbers do is in the result.
 InferResult infer(const Structure& structure, const Record& record, const InferOptions& options);
+
+/// The posterior of parameters of linear substructures by what an updating compares: modes with the covariances of
+/// their shapes, frequency responses, deflections. The likelihood is that of the N weighted residuals r in their
+/// standard deviations,
+///     ln p = -|r|^2 / 2 - N/2 ln(2 pi).
+/// Priors: `options.priors` by parameter, else normal about the initial value with the parameter's `std`, cut at its
+/// bounds, else uniform between finite bounds. `options.likelihood` must be `comparisons`; of the rest of the options
+/// method (not `filter`), samples, seed, profile and progress count. Throws InvalidInput as update() does, for a
+/// parameter without a prior, and for options that have no meaning here.
+InferResult infer(const Structure& structure, const UpdateOptions& comparisons, const InferOptions& options);
 
 }  // namespace kalfem

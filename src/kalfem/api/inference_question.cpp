@@ -42,7 +42,8 @@ void check_numbers(const InferOptions& options, IssueList& issues) {
   if (!(options.correlation_time >= 0.0) || !std::isfinite(options.correlation_time))
     issues.add({}, "correlation_time: it is " + shortest(options.correlation_time) + " s", "it must be >= 0", "");
   if (options.likelihood == LikelihoodKind::comparisons)
-    issues.add({}, "likelihood: comparisons are those of a case with `update`", "", "give filter or simulation");
+    issues.add({}, "likelihood: comparisons, with a record", "they are those of an updating",
+               "give filter or simulation, or UpdateOptions in the place of the record");
 }
 
 /// Names of a list, each an unknown.

@@ -17,6 +17,9 @@ struct InferenceQuestion {
 InferenceQuestion make_inference_question(const Structure& structure, const Record& record,
                                           const InferOptions& options);
 
+/// What was found, in the form of the result.
+InferResult result_of(InferenceResult found);
+
 /// What was found of the parameters, in the form of the result. `posterior`: empty where there is no distribution.
 std::vector<PosteriorParameter> posterior_parameters(const std::vector<std::string>& units,
                                                      const std::vector<ParameterSummary>& prior,

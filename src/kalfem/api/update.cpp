@@ -5,11 +5,11 @@
 #include <cmath>
 #include <set>
 
+#include "kalfem/api/refined_parameters.hpp"
 #include "kalfem/api/structure_description.hpp"
 #include "kalfem/api/update_comparisons.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/diagnosis/judge_updating.hpp"
-#include "kalfem/identification/factor_bounds.hpp"
 #include "kalfem/identification/parameterised_structure.hpp"
 #include "kalfem/identification/stated_in_updating.hpp"
 #include "kalfem/updating/first_information.hpp"
@@ -25,68 +25,6 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 namespace {
-
-/// The updated parameters, looked up.
-struct Refined {
-  std::vector<UpdatingParameter> parameters;
-  std::vector<StructureBinding> bindings;
-};
-
-/// Throws InvalidInput if it cannot be updated.
-Parameter parameter_of(const RefinedParameter& given, const ParameterSet& all, const UpdateOptions& options) {
-  auto parameter = all.find(given.name);
-  if (!parameter)
-    throw InvalidInput("there is no parameter '" + given.name + "'" + did_you_mean(given.name, all.names()),
-                       "it must be a number of the substructure", "Structure::parameters() lists them");
-  if (options.comparisons.empty() && (parameter->of_connector() || parameter->owner != options.substructure))
-    throw InvalidInput("the modes of '" + options.substructure + "' do not depend on it",
-                       "only numbers of the substructure that was measured are refined", "remove it");
-  if (parameter->of_connector())
-    throw InvalidInput("it is a number of a connector", "updating refines numbers of linear substructures",
-                       "estimate() finds those of connectors");
-  return *parameter;
-}
-
-UpdatingParameter start_of(const RefinedParameter& given, const Parameter& parameter) {
-  UpdatingParameter start{given.name, parameter.unit, given.range.initial.value_or(parameter.value), given.range.lower,
-                          given.range.upper};
-  if (given.range.std) start.deviation = *given.range.std;
-  require_startable({start});
-  return start;
-}
-
-Refined refined(const StructureModel& structure, const UpdateOptions& options) {
-  const ParameterSet all(structure);
-  Refined made;
-  IssueList issues;
-  for (std::size_t i = 0; i < options.parameters.size(); ++i) try {
-      const auto& given = options.parameters[i];
-      const Parameter parameter = parameter_of(given, all, options);
-      made.parameters.push_back(start_of(given, parameter));
-      made.bindings.push_back({static_cast<Index>(i), parameter});
-    } catch (const InvalidInput& error) {
-      for (const auto& issue : error.issues())
-        issues.add({}, "parameters[" + std::to_string(i) + "] '" + options.parameters[i].name + "': " + issue.what,
-                   issue.why, issue.fix);
-    }
-  if (options.parameters.empty()) issues.add({}, "parameters: the list is empty", "there is nothing to refine", "");
-  issues.raise();
-  return made;
-}
-
-/// Throws InvalidInput with every factor that makes stiffness or mass indefinite at a bound.
-void require_definite(const StructurePtr& structure, const Refined& refined) {
-  IssueList issues;
-  for (const auto& [name, issue] : indefinite_at_bounds(structure, {refined.parameters, refined.bindings, {}}))
-    issues.add({}, "parameters: '" + name + "': " + issue.what, issue.why, issue.fix);
-  issues.raise();
-}
-
-std::vector<std::string> names_of_parameters(const UpdateOptions& options) {
-  std::vector<std::string> names;
-  for (const auto& parameter : options.parameters) names.push_back(parameter.name);
-  return names;
-}
 
 double rms_of(const VectorXd& values) {
   return std::sqrt(values.squaredNorm() / static_cast<double>(std::max<Index>(1, values.size())));
@@ -104,13 +42,6 @@ std::vector<ResidualBlock> blocks_of(const std::vector<MadeComparison>& comparis
   return blocks;
 }
 
-ResidualSum sum_of(const std::vector<MadeComparison>& comparisons, std::size_t step) {
-  std::vector<ResidualSum::Term> terms;
-  for (const auto& each : comparisons)
-    terms.push_back({each.continuation[std::min(step, each.continuation.size() - 1)], each.weight});
-  return ResidualSum(std::move(terms));
-}
-
 /// From wide to no smoothing, each search from the end of the one before.
 LeastSquaresOutcome search(const std::vector<MadeComparison>& comparisons,
                            const std::vector<UpdatingParameter>& parameters, const UpdateOptions& given) {
@@ -122,22 +53,6 @@ LeastSquaresOutcome search(const std::vector<MadeComparison>& comparisons,
   for (std::size_t step = 0; step + 1 < steps; ++step)
     options.start = minimise(sum_of(comparisons, step), parameters, options).parameters;
   return minimise(sum_of(comparisons, steps - 1), parameters, options);
-}
-
-/// The residual at the initial values. Throws InvalidInput where there is none, and with every parameter that no
-/// comparison depends on.
-ResidualValue first_values(const ResidualSum& residual, const std::vector<UpdatingParameter>& parameters) {
-  const auto first = residual.evaluate(initial_values(parameters), true);
-  if (!first)
-    throw InvalidInput("parameters: the model has no response at the initial values",
-                       "the updating starts from these values", "change the initial values");
-  IssueList issues;
-  for (const auto& name : without_effect(parameters, first->jacobian))
-    issues.add({}, "parameters: no comparison depends on '" + name + "'",
-               "a measurement must depend on a parameter to identify it",
-               "remove it, or compare with a measurement that depends on it");
-  issues.raise();
-  return *first;
 }
 
 /// What the comparisons tell before the updating.
@@ -297,7 +212,9 @@ UpdateResult update(const Structure& structure, const UpdateOptions& options) {
   auto outcome = search(comparisons, parameters, options);
   const auto considered = considered_at_end(structure, model, found, stated, outcome, options);
 
-  UpdateResult result{.converged = outcome.usable(), .reason = outcome.reason()};
+  UpdateResult result{.before = before_updating(comparisons, parameters, first),
+                      .converged = outcome.usable(),
+                      .reason = outcome.reason()};
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const auto at = static_cast<Index>(i);
     result.parameters.push_back({.name = parameters[i].name,
