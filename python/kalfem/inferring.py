@@ -168,20 +168,7 @@ def infer_comparisons(
     >>> abs(found.mean[0] - 2500) < 5, 5 < found.std[0] < 8
     (True, True)
     """
-    compared = _update_arguments(
-        dict(
-            substructure="",
-            frequencies=(),
-            std=0.0,
-            parameters=parameters,
-            compare=compare,
-            modes=None,
-            above=0.0,
-            max_evaluations=100,
-            tolerance=1e-6,
-            known_to=None,
-        )
-    )
+    compared = _update_arguments({"parameters": parameters, "compare": compare})
     question = {
         "priors": _plain(priors or {}),
         "method": method,

@@ -72,3 +72,18 @@ def test_wrong_descriptions_are_named():
         kf.update(s, parameters=NAMES, compare={"x": kf.MeasuredResponses("t.1", [1.0], {"a": kf.acceleration("t.1")}, {})})
     with pytest.raises(kf.InvalidInput, match="frequencies: the list is empty"):
         kf.update(s, "t", parameters=NAMES)
+
+
+def test_modes_have_a_posterior():
+    """With errors this small it is about the normal distribution that the updating states."""
+    found = kf.modes(tower())
+    measured = kf.MeasuredModes("t", found.frequencies, std=0.01, points=["t.1", "t.2"], shapes=found.shapes)
+    start = {name: (1.1 * value, 0.3 * value) for name, value in TRUTH.items()}
+    run = kf.update(tower(), parameters=start, compare={"modes": measured}, progress=False)
+    posterior = kf.infer_comparisons(tower(), start, {"modes": measured}, progress=False)
+    assert posterior.names == NAMES
+    for name, mean, std in zip(NAMES, posterior.mean, posterior.std):
+        assert abs(mean - run.parameters[name].value) < 0.5 * std
+        assert std == pytest.approx(run.parameters[name].std, rel=0.2)
+    with pytest.raises(kf.InvalidInput, match="prior"):
+        kf.infer_comparisons(tower(), NAMES, {"modes": measured}, progress=False)
