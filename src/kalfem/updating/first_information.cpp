@@ -84,9 +84,9 @@ std::vector<std::string> proposal_in_words(const std::vector<UpdatingParameter>&
   std::vector<std::string> sentences;
   for (const auto& group : proposal.groups)
     if (group.size() > 1)
-      sentences.push_back(
-          fmt::format(have_one_value(group, parameters) ? "give {} one value" : "change {} by one factor",
-                      joined(group, parameters)));
+      sentences.push_back(have_one_value(group, parameters)
+                              ? fmt::format("give {} one value", joined(group, parameters))
+                              : fmt::format("change {} by one factor", joined(group, parameters)));
   if (!proposal.hold.empty()) sentences.push_back(fmt::format("hold {}", joined(proposal.hold, parameters)));
   return sentences;
 }

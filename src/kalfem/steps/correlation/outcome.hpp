@@ -1,12 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "kalfem/correlation/correlate.hpp"
+#include "kalfem/correlation/point_match.hpp"
+#include "kalfem/identification/finite_element_part.hpp"
 
 namespace kalfem {
+
+/// Where the geometry of a measured file puts its points on the model.
+struct PlacedPoints {
+  FiniteElementPartPtr part;  ///< the substructure, whose mesh it is
+  PointMatch match;
+  std::vector<std::string> contradictions = {};  ///< to the nodes that the case gives the points, a sentence each
+};
 
 /// A comparison of modes, mode by mode and sensor by sensor.
 struct CorrelatedComparison {
@@ -17,6 +27,7 @@ struct CorrelatedComparison {
   std::vector<DofCombination> points =
       {};              ///< of their shapes, as combinations of the substructure's degrees of freedom
   double above = 0.0;  ///< [Hz] modes of the model up to this frequency are not elastic ones
+  std::optional<PlacedPoints> placed = {};  ///< nothing where the file has no geometry or the substructure no mesh
 };
 
 struct CorrelationOutcome {

@@ -9,6 +9,7 @@
 #include "kalfem/page/json_number.hpp"
 #include "kalfem/page/words.hpp"
 #include "kalfem/pictures/heat_map.hpp"
+#include "kalfem/steps/correlation/point_match_words.hpp"
 
 namespace kalfem {
 namespace {
@@ -115,6 +116,8 @@ std::string console_correlation(const CorrelationOutcome& outcome) {
     if (!outcome.updated) text += to_text(correlated_mode_table(each.correlation)) + "\n";
     if (stands_out) text += to_text(correlated_sensor_table(each.correlation, most_sensors)) + "\n";
     for (const auto& mistake : each.correlation.mistakes) text += "  " + words_of(mistake) + "\n";
+    if (each.placed)
+      for (const auto& contradiction : each.placed->contradictions) text += "  " + contradiction + "\n";
     if (!each.correlation.mistakes.empty()) text += "\n";
   }
   return text;
@@ -136,6 +139,10 @@ Section correlation_section(const CorrelationOutcome& outcome) {
                                          found.orthogonality, found, false));
     if (auto sensors = correlated_sensor_table(found, found.sensors.size()); !sensors.rows.empty())
       section.items.emplace_back(std::move(sensors));
+    if (!each.placed) continue;
+    section.text += "By its coordinates the test is " + fit_words(each.placed->match.fit) + ". ";
+    for (const auto& contradiction : each.placed->contradictions) section.text += sentence(contradiction) + ". ";
+    section.items.emplace_back(point_match_table(each.placed->match, each.placed->part->elements.mesh));
   }
   return section;
 }
