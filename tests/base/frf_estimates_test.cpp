@@ -46,8 +46,7 @@ double mean_error(const Eigen::VectorXcd& values, const VectorXd& lines, double 
 
 TEST(FrfEstimates, SeveralForcesHaveTheirOwnResponses) {
   const VectorXd f = white("f"), g = 0.6 * f + white("g");  // correlated forces
-  const Record record =
-      make_record(100.0, {{"f", f}, {"g", g}, {"y", filtered(f) - 3.0 * g + 0.5 * white("noise")}});
+  const Record record = make_record(100.0, {{"f", f}, {"g", g}, {"y", filtered(f) - 3.0 * g + 0.5 * white("noise")}});
   for (const FrfEstimator estimator : {FrfEstimator::h1, FrfEstimator::hv}) {
     const auto found = frfs(record, {"f", "g"}, estimator);
     ASSERT_EQ(found.values.size(), 2u);

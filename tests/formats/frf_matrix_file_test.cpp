@@ -36,8 +36,8 @@ TEST(FrfMatrixFile, SortsFunctionsByOutputAndInput) {
   coherence.kind = MeasuredFunctionKind::coherence;
   const auto [frfs, places, remarks] =
       frf_matrix_of(file_of({function({2, -3}, {1, 3}, 21.0), function({1, 3}, {5, 1}, 15.0), coherence,
-                             function({1, 3}, {1, 3}, 11.0), function({2, -3}, {5, 1}, 25.0), function({3, 1}, {1, 3}, 31.0),
-                             function({3, 1}, {5, 1}, 35.0)}),
+                             function({1, 3}, {1, 3}, 11.0), function({2, -3}, {5, 1}, 25.0),
+                             function({3, 1}, {1, 3}, 31.0), function({3, 1}, {5, 1}, 35.0)}),
                     "test.unv");
   EXPECT_EQ(frfs.inputs, (std::vector<std::string>{"1:+Z", "5:+X"}));
   ASSERT_EQ(frfs.outputs.size(), 3u);
@@ -53,7 +53,8 @@ TEST(FrfMatrixFile, SortsFunctionsByOutputAndInput) {
 
 TEST(FrfMatrixFile, AHammerThatMovedIsTakenByReciprocity) {
   const auto [frfs, places, remarks] = frf_matrix_of(
-      file_of({function({1, 3}, {1, 3}, 11.0), function({1, 3}, {2, 3}, 12.0), function({1, 3}, {3, -3}, 13.0)}), "t.unv");
+      file_of({function({1, 3}, {1, 3}, 11.0), function({1, 3}, {2, 3}, 12.0), function({1, 3}, {3, -3}, 13.0)}),
+      "t.unv");
   EXPECT_EQ(frfs.inputs, (std::vector<std::string>{"1:+Z"}));
   ASSERT_EQ(frfs.outputs.size(), 3u);
   EXPECT_EQ(frfs.values[0](0, 2), std::complex<double>(-13.0, -1.0));
@@ -65,8 +66,9 @@ TEST(FrfMatrixFile, MistakesAreNamed) {
   const auto one = function({1, 3}, {1, 3}, 1.0), two = function({2, 3}, {1, 3}, 2.0);
   EXPECT_NE(refusal(file_of({})).find("test.unv: the file has no frequency response"), std::string::npos);
   EXPECT_NE(refusal(file_of({one, two, two})).find("the response at 2:+Z to 1:+Z is there twice"), std::string::npos);
-  EXPECT_NE(refusal(file_of({one, two, function({1, 3}, {2, 3}, 3.0)})).find("there is no response between 2:+Z and 2:+Z"),
-            std::string::npos);
+  EXPECT_NE(
+      refusal(file_of({one, two, function({1, 3}, {2, 3}, 3.0)})).find("there is no response between 2:+Z and 2:+Z"),
+      std::string::npos);
   auto other = two;
   other.lines *= 2.0;
   EXPECT_NE(refusal(file_of({one, other})).find("has other frequencies"), std::string::npos);
