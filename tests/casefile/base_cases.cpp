@@ -483,7 +483,13 @@ substructures:
       matrices: {files: [K.mtx, M.mtx], dofs: map.txt, stiffness: K, mass: M}
       units: {length: 1 mm, mass: 1 t, time: 1 s}
       factors:
-        stay: {matrices: {stiffness: K.mtx, mass: {file: M.mtx, name: M}, dofs: map.txt}, value: 0.5}
+        stay:
+          matrices:
+            stiffness: {file: K.mtx, name: K}
+            mass: {file: M.mtx, name: M}
+            damping: {file: M.mtx, name: M}
+            dofs: map.txt
+          value: 0.5
       nodes: {foot: 11, top: 13}
   truss:
     finite_elements:

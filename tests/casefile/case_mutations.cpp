@@ -66,7 +66,8 @@ bool has_free_names(const Json& schema) {
 
 /// Keys whose text may be anything.
 bool is_free_text(const std::string& key) {
-  static const std::set<std::string> free{"title", "name", "channel", "unit", "columns", "dataset", "grounds", "state"};
+  static const std::set<std::string> free{"title",   "name",    "channel", "unit",      "columns",
+                                          "dataset", "grounds", "state",   "write_deck"};
   return free.contains(key);
 }
 

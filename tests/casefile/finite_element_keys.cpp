@@ -637,7 +637,7 @@ KeyChecks finite_element_keys() {
   add(at, {"coordinates"}, matrices);
   add(at + "factors.*.", {"value", "elements", "of"}, factors);
   for (const std::string matrix : {"stiffness", "mass", "damping"})
-    add(at + "factors.*.matrices.", {matrix, matrix + ".file", matrix + ".name"}, factors);
+    add(at + "factors.*.matrices.", {matrix + ".file", matrix + ".name"}, factors);
   add(at + "factors.*.matrices.", {"dofs", "directions"}, factors);
   add(at + "materials.*.", {"youngs_modulus", "poissons_ratio", "density"}, materials);
   add(at + "regions.*.", {"material", "shell.thickness", "shell.offset"}, shell_regions);
