@@ -163,6 +163,17 @@ Table frequency_sensitivity_table(const Study& study, const FrequencySensitiviti
   return table;
 }
 
+/// How the first modes follow the parameters, and what the measurement does not tell of these.
+static std::string told_before(const Study& study, const UpdatingOutcome& outcome) {
+  constexpr std::size_t shown_modes = 8;
+  std::string text;
+  for (const auto& each : outcome.first.frequencies) {
+    const Table table = frequency_sensitivity_table(study, each, shown_modes);
+    text += section(table.title, table);
+  }
+  return text + first_words(study, outcome) + "\n";
+}
+
 std::string first_words(const Study& study, const UpdatingOutcome& outcome) {
   std::string words;
   for (const auto& remark : outcome.first.remarks) words += "  " + remark + "\n";
@@ -249,12 +260,7 @@ std::string console_updating(const Study& study, const StudyResults& results) {
       outcome.method);
   text += fmt::format("residual {} -> {} standard deviations\n\n", finite(outcome.residual_initial),
                       finite(outcome.residual_final));
-  constexpr std::size_t shown_modes = 8;
-  for (const auto& each : outcome.first.frequencies) {
-    const Table table = frequency_sensitivity_table(study, each, shown_modes);
-    text += section(table.title, table);
-  }
-  if (const auto words = first_words(study, outcome); !words.empty()) text += words + "\n";
+  if (!outcome.first.remarks.empty()) text += told_before(study, outcome);
   text += section("Updated parameters", updated_parameter_table(study, outcome));
   for (const auto& remark : outcome.remarks) text += "  " + remark + "\n";
   if (!outcome.remarks.empty()) text += "\n";
