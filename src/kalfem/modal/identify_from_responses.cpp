@@ -36,9 +36,9 @@ void check_sizes(const FrfMatrix& given, IssueList& issues) {
     add(fmt::format("responses to {} inputs are given, with {} names", given.values.size(), given.inputs.size()),
         "each input has a name and a matrix of responses");
   if (outputs < 2) add(fmt::format("there are responses of {} outputs", outputs), "a shape needs two and more");
-  for (const auto* all : {&given.deviations})
-    if (!all->empty() && all->size() != given.values.size())
-      add(fmt::format("deviations of {} inputs are given", all->size()), "each input has its own, or none has");
+  if (!given.deviations.empty() && given.deviations.size() != given.values.size())
+    add(fmt::format("deviations of {} inputs are given", given.deviations.size()),
+        "each input has its own, or none has");
   for (std::size_t i = 0; i < given.values.size(); ++i) {
     const std::string name = i < given.inputs.size() ? "'" + given.inputs[i] + "'" : std::to_string(i + 1);
     if (given.values[i].rows() != lines || given.values[i].cols() != outputs)
@@ -188,9 +188,8 @@ std::vector<FittedMode> fitted_modes(const FittedResponses& fitted, std::vector<
 }  // namespace
 
 // 1. The lines and outputs that are wanted, each output in units of its root mean square.
-// 2. Fractions of many degrees: poles with shapes; those that hold over the degrees are candidates, by the same rules
-// as
-//    those of state-space models.
+// 2. Fractions of many degrees: poles with shapes; those that hold over the degrees are candidates, by the rules for
+//    state-space models.
 // 3. All candidates in one modal model, fitted by least squares; poles that it does not determine leave.
 ModalResult identify_modes(const FrfMatrix& responses, const ModalOptions& options) {
   IssueList issues;
