@@ -55,7 +55,8 @@ TEST(PartFactors, MultiplyTheMassWhereAsked) {
     auto heavier = plate();
     heavier.materials["alloy"].density *= 3.0;
     if (of == FactorOf::both) heavier.materials["alloy"].youngs_modulus *= 3.0;
-    for (const std::vector<std::string> asked : {std::vector<std::string>{"part.factor"}, std::vector<std::string>{}}) {
+    for (const std::vector<std::string>& asked :
+         {std::vector<std::string>{"part.factor"}, std::vector<std::string>{}}) {
       const auto assembled = assemble(model, {.parameters = asked});
       EXPECT_EQ(assembled.parameters.contains("part.factor"), !asked.empty());
       EXPECT_LT(difference(mass_of(assembled), mass_of(assemble(heavier))), 1e-14);
