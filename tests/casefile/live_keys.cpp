@@ -113,12 +113,10 @@ KeyChecks live_keys() {
       {"limit", "warm_up", "memory", "suspend_after", "stuck", "patience", "inflation", "silence", "most_events"},
       gates);
   add("live.", {"state", "port"}, places);
-  add("live.", {"alarms"}, alarms);
-  add("live.alarms.",
-      {"window", "reference", "memory", "level", "hysteresis", "persistence", "false_alarms_every", "covariates"},
+  add("live.alarms.", {"window", "reference", "memory", "level", "hysteresis", "persistence", "false_alarms_every"},
       alarms);
   add("live.alarms.covariates.*.", {"channel", "effect"}, alarms);
-  add("live.", {"mqtt", "metrics"}, mqtt);
+  add("live.", {"metrics"}, mqtt);
   add("live.mqtt.", {"broker", "port", "client", "topics", "publish"}, mqtt);
   add("live.mqtt.", {"login", "authority", "certificate", "key"}, mqtt_files);
   return keys;
