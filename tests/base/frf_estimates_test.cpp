@@ -57,7 +57,8 @@ TEST(FrfEstimates, SeveralForcesHaveTheirOwnResponses) {
                 (std::abs(error.imag()) < 2.0 * found.deviations[0](k, 0));
       EXPECT_LT(std::abs(found.values[1](k, 0) + 3.0), 0.2) << found.lines[k];
     }
-    EXPECT_GT(inside / static_cast<double>(2 * found.lines.size()), 0.85);
+    // Hv shares the noise, which is the response's alone, between forces and response: it is biased here.
+    EXPECT_GT(inside / static_cast<double>(2 * found.lines.size()), estimator == FrfEstimator::h1 ? 0.85 : 0.6);
   }
 }
 

@@ -172,7 +172,7 @@ std::vector<FittedMode> fitted_modes(const FittedResponses& fitted, std::vector<
       IdentifiedMode mode = mode_of_fit(fit, r, fitted.inputs(), fitted.scale);
       mode.order = static_cast<int>(track.representative().order);
       mode.orders = static_cast<int>(track.poles.size());
-      if (!is_within(mode, fitted, limits)) continue;
+      if (!is_within(mode, fitted, limits) || !stands_out(fit, r, fitted.lines())) continue;
       const VectorXcd shape = mode.shape.cwiseQuotient(fitted.scale.cast<Complex>());
       modes.push_back({std::move(mode), shape});
       kept.push_back(track);

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "kalfem/modal/shape_measures.hpp"
+#include "kalfem/statistics/quantiles.hpp"
 
 namespace kalfem {
 namespace {
@@ -110,6 +111,18 @@ IdentifiedMode mode_of_fit(const ModalModelFit& fit, Index pole, Index inputs, c
   mode.shape_covariance = shape.covariance;
   mode.phase_collinearity = phase_collinearity(mode.shape);
   return mode;
+}
+
+bool stands_out(const ModalModelFit& fit, Index pole, Index lines) {
+  constexpr double by_chance = 1e-3;
+  const Eigen::Matrix2d precision = fit.linear_covariance.block<2, 2>(2 * pole, 2 * pole).inverse();
+  double squares = 0.0;
+  for (Index f = 0; f < fit.residues.cols(); ++f) {
+    const Eigen::Vector2d parts(fit.residues(pole, f).real(), fit.residues(pole, f).imag());
+    squares += parts.dot(precision * parts) / (fit.scatter[f] * fit.scatter[f]);
+  }
+  const auto freedom = static_cast<double>(2 * fit.residues.cols());
+  return squares > chi_squared_quantile(1.0 - by_chance / static_cast<double>(lines), freedom);
 }
 
 std::optional<SpectralMode> indicated_mode(const FittedResponses& responses, const IdentifiedMode& mode,
