@@ -81,10 +81,12 @@ std::string conditions(const std::vector<WatchedHealth>& cases) {
 std::string parameters(const std::vector<WatchedHealth>& cases, const std::string& name, const std::string& help,
                        const std::string& key) {
   Metric metric(name, "gauge", help);
-  for (const auto& each : cases)
-    for (const auto& [parameter, value] : estimates_of(each).value("parameters", Json::object()).items())
+  for (const auto& each : cases) {
+    const Json told = estimates_of(each).value("parameters", Json::object());
+    for (const auto& [parameter, value] : told.items())
       if (value[key].is_number())
         metric.add({{"case", each.name}, {"parameter", parameter}, {"unit", value["unit"]}}, value[key].get<double>());
+  }
   return metric.text();
 }
 
