@@ -23,13 +23,13 @@ STUB = ast.parse((PROJECT / "python/kalfem/_core.pyi").read_text())
 WIDTH = 110
 
 GROUPS = {
-    "Structures": "Structure Lumped FiniteElements lumped chain read_deck deck_notes write_updated_deck laws",
+    "Structures": "Structure Lumped FiniteElements lumped chain read_deck read_matrices deck_notes write_updated_deck laws",
     "Sensors": "Sensor displacement velocity acceleration force deformation rate strain low_pass high_pass delay without_lag resonance gain",
     "Records": "read Record MeasuredFile TimeSeries",
     "Simulation and identification": "simulate estimate predict validate Validation SensorValidation",
     "Updating": "update MeasuredModes MeasuredResponses MeasuredDeflections MeasuredRecord",
-    "Posteriors": "infer Posterior mixture Mixture compare ComparedStructure Likelihood",
-    "Modes, frequency responses, statics": "modal merge_setups IdentifiedMode IdentifiedModes read_modes ModeSet match_points PointMatch MatchedPoint PlaceFit correlate Correlation CorrelatedMode SetupMistake modes Modes frf frequency_responses "
+    "Posteriors": "infer infer_comparisons Posterior mixture Mixture compare ComparedStructure Likelihood",
+    "Modes, frequency responses, statics": "modal modal_of_responses merge_setups IdentifiedMode IdentifiedModes read_modes ModeSet match_points PointMatch MatchedPoint PlaceFit correlate Correlation CorrelatedMode SetupMistake modes Modes frf frequency_responses "
     "FrequencyResponses FrequencyResponse mac statics Statics StaticCase",
     "Sensor placement": "place Placement SensorSet",
     "Sample by sample": "Filter Estimate watch Watch",
