@@ -357,6 +357,14 @@ def modal(
     options: dict[str, Any],
     progress: _Progress = None,
 ) -> dict[str, Any]: ...
+def modal_of_responses(
+    lines: ArrayLike,
+    values: dict[str, ArrayLike],
+    outputs: list[str],
+    deviations: dict[str, ArrayLike],
+    options: dict[str, Any],
+    progress: _Progress = None,
+) -> dict[str, Any]: ...
 def merge_setups(
     setups: list[dict[str, Any]], references: list[str], frequency: float, mac: float
 ) -> dict[str, Any]: ...
@@ -390,6 +398,9 @@ def infer(
     arguments: dict[str, Any],
     question: dict[str, Any],
     progress: _Progress = None,
+) -> dict[str, Any]: ...
+def infer_comparisons(
+    structure: Structure, compared: dict[str, Any], question: dict[str, Any], progress: _Progress = None
 ) -> dict[str, Any]: ...
 def compare(
     structures: dict[str, Structure],
