@@ -21,7 +21,8 @@ foreach(file bin/kalfem share/man/man1/kalfem.1 share/bash-completion/completion
     message(FATAL_ERROR "the component 'command' has no ${file}")
   endif()
 endforeach()
-if(EXISTS ${WORK}/command/include OR EXISTS ${WORK}/command/lib/cmake)
+file(GLOB libraries ${WORK}/command/lib/cmake ${WORK}/command/lib/*.a ${WORK}/command/lib/*/*.a)
+if(EXISTS ${WORK}/command/include OR libraries)
   message(FATAL_ERROR "the component 'command' has C++ libraries")
 endif()
 
