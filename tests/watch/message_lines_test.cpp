@@ -45,8 +45,8 @@ TEST(MessageLines, DropsWhatComesAgainAndCountsWhatIsLost) {
 
 TEST(MessageLines, RefusesWhatHoldsNoSamples) {
   MessageLines lines;
-  for (const std::string payload : {std::string("nonsense"), std::string("[1]"), std::string("KFB1"),
-                                    binary_block(1, 0.0, 0.01, {1.0}) + "x", std::string(R"({"counter": -1})")})
+  for (const std::string& payload : {std::string("nonsense"), std::string("[1]"), std::string("KFB1"),
+                                     binary_block(1, 0.0, 0.01, {1.0}) + "x", std::string(R"({"counter": -1})")})
     EXPECT_THROW(lines.line_of("a", payload), InvalidInput) << payload;
 }
 
