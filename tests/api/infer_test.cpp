@@ -378,7 +378,7 @@ TEST(Infer, RefusesWhatCannotBe) {
     return refusal_of([&] { return infer(one_mass(), record_of_release(), options); });
   };
   EXPECT_THAT(refusal([](auto& options) { options.likelihood = LikelihoodKind::comparisons; }),
-              HasSubstr("likelihood: comparisons are those of a case"));
+              HasSubstr("likelihood: comparisons, with a record"));
   EXPECT_THAT(refusal([](auto& options) { options.unknowns.clear(); }), HasSubstr("unknowns: the list is empty"));
   EXPECT_THAT(refusal([](auto& options) { options.unknowns[0].prior.random_walk = 1.0; }),
               HasSubstr("unknowns: none is constant"));
