@@ -151,12 +151,12 @@ private:
 /// Files of the bridge and a case that updates 17 factors from five modes at 58 points.
 class BridgeCase {
 public:
-  explicit BridgeCase(const std::filesystem::path& folder) : folder_(folder), groups_(bridge_.groups()) {
+  BridgeCase(const std::filesystem::path& folder, std::uint64_t seed) : folder_(folder), groups_(bridge_.groups()) {
     SparseMatrix constant = bridge_.stiffness_of("portals"), whole = constant;
     write_matrix(folder / "K0.mtx", constant);
     write_matrix(folder / "M0.mtx", bridge_.mass());
     write_dof_map(folder / "rows.dof", bridge_.rows());
-    RandomStream stream(7, "factors");
+    RandomStream stream(seed, "factors");
     for (std::size_t i = 0; i < groups_.size(); ++i) {
       const SparseMatrix part = bridge_.stiffness_of(groups_[i]);
       write_matrix(folder / ("K" + std::to_string(i + 1) + ".mtx"), part);
@@ -171,7 +171,8 @@ public:
   [[nodiscard]] const std::vector<double>& truth() const { return truth_; }
   [[nodiscard]] Index points() const { return std::ssize(bridge_.measured_rows()); }
 
-  [[nodiscard]] std::string text() const {
+  /// Compares frequencies and shapes, or frequencies only.
+  [[nodiscard]] std::string text(bool with_shapes) const {
     std::string text = "kalfem: 1\nsubstructures:\n  bridge:\n    finite_elements:\n      matrices: {files: [" +
                        path("K0.mtx") + ", " + path("M0.mtx") + "], dofs: " + path("rows.dof") + "}\n      factors:\n";
     std::string parameters;
@@ -183,7 +184,9 @@ public:
     text +=
         "update:\n  parameters:\n" + parameters + "  compare:\n    test:\n      modes: bridge\n      frequencies: [";
     for (Index i = 0; i < frequencies_.size(); ++i) text += (i > 0 ? ", " : "") + std::to_string(frequencies_[i]);
-    text += "]\n      deviation: 0.1 %\n      shapes: {file: " + path("shapes.csv") + ", deviation: 0.01, points: [";
+    text += "]\n      deviation: 0.1 %\n";
+    if (!with_shapes) return text;
+    text += "      shapes: {file: " + path("shapes.csv") + ", deviation: 0.01, points: [";
     for (const Index row : bridge_.measured_rows()) text += (text.back() == '[' ? "" : ", ") + bridge_.name_of(row);
     return text + "]}\n";
   }
@@ -212,40 +215,64 @@ private:
   VectorXd frequencies_;
 };
 
+/// The worst of the compared modes.
+struct ModeErrors {
+  double frequency = 0.0;  ///< relative
+  double mac = 1.0;
+
+  explicit ModeErrors(const std::vector<PairedMode>& modes) {
+    for (const auto& mode : modes) {
+      frequency = std::max(frequency, std::abs(mode.relative_error));
+      mac = std::min(mac, mode.mac);
+    }
+  }
+};
+
+// Modes 2 and 3, 4 and 5 lie within 2 % of each other. With seed 2 the start mixes two so that a measured one is like
+// neither; with 3, 7 and 10 two change places on the way.
 TEST(PartFactorsCase, ABridgeOfMatricesIsUpdatedByItsModes) {
-  const ScratchFolder folder("bridge");
-  const BridgeCase bridge(folder);
-  ASSERT_EQ(bridge.size(), 946);
-  ASSERT_EQ(bridge.groups().size(), 17u);
-  ASSERT_EQ(bridge.points(), 58);
-  const auto outcome = results_of(bridge.text(), "update").get<UpdatingOutcome>();
-  double before = 0.0, after = 0.0, mac = 1.0;
-  const auto& comparison = outcome.comparisons.front();
-  for (std::size_t i = 0; i < comparison.modes_final.size(); ++i) {
-    before = std::max(before, std::abs(comparison.modes_initial[i].relative_error));
-    after = std::max(after, std::abs(comparison.modes_final[i].relative_error));
-    mac = std::min(mac, comparison.modes_final[i].mac);
+  for (const std::uint64_t seed : {2, 3, 7, 10}) {
+    SCOPED_TRACE(seed);
+    const ScratchFolder folder("bridge");
+    const BridgeCase bridge(folder, seed);
+    ASSERT_EQ(bridge.size(), 946);
+    ASSERT_EQ(bridge.groups().size(), 17u);
+    ASSERT_EQ(bridge.points(), 58);
+    const auto outcome = results_of(bridge.text(true), "update").get<UpdatingOutcome>();
+    const ModeErrors before(outcome.comparisons.front().modes_initial), after(outcome.comparisons.front().modes_final);
+    int outside = 0;
+    for (std::size_t i = 0; i < bridge.truth().size(); ++i) {
+      const auto row = static_cast<Index>(i);
+      if (std::abs(outcome.values[row] - bridge.truth()[i]) > 2.0 * outcome.statistics.deviations[row]) ++outside;
+    }
+    std::printf(
+        "bridge of 946 degrees of freedom, 17 factors: modes within %.2f %% before, %.3f %% after, least MAC %.4f, %d "
+        "of 17 factors beyond two deviations, the widest +- %.2f\n",
+        100.0 * before.frequency, 100.0 * after.frequency, after.mac, outside,
+        outcome.statistics.deviations.maxCoeff());
+    EXPECT_GT(before.frequency, 0.01);
+    EXPECT_LT(after.frequency, 0.005);
+    EXPECT_GT(after.mac, 0.998);
+    EXPECT_LE(outside, 3);  // of 17 true intervals, more lie outside in 1 of 100 bridges
+    // The factors multiply all of the stiffness but that of the portals: d ln f / d ln a adds up to nearly 1/2.
+    const auto& sensitivities = outcome.first.frequencies.front().relative;
+    for (Index i = 0; i < sensitivities.rows(); ++i) EXPECT_NEAR(sensitivities.row(i).sum(), 0.5, 0.02);
   }
-  double outside = 0.0;
-  for (std::size_t i = 0; i < bridge.truth().size(); ++i) {
-    const auto row = static_cast<Index>(i);
-    if (std::abs(outcome.values[row] - bridge.truth()[i]) > 2.0 * outcome.statistics.deviations[row]) ++outside;
-  }
-  std::printf(
-      "bridge of 946 degrees of freedom, 17 factors: modes within %.2f %% before, %.3f %% after, least MAC %.4f, "
-      "%g of 17 factors beyond two deviations; %zu combinations not told apart, %zu groups proposed\n",
-      100.0 * before, 100.0 * after, mac, outside, outcome.first.remarks.size(), outcome.first.proposal.groups.size());
-  for (const auto& remark : outcome.first.remarks) std::printf("  %s\n", remark.c_str());
-  EXPECT_GT(before, 0.01);
-  EXPECT_LT(after, 0.005);
-  EXPECT_GT(mac, 0.99);
-  EXPECT_LE(outside, 3.0);
-  EXPECT_FALSE(outcome.first.remarks.empty());
-  EXPECT_LT(outcome.first.proposal.groups.size(), 17u);
-  EXPECT_GE(outcome.first.proposal.groups.size(), 3u);
-  // The factors multiply all of the stiffness but that of the portals: d ln f / d ln a adds up to nearly 1/2.
-  const auto& sensitivities = outcome.first.frequencies.front().relative;
-  for (Index i = 0; i < sensitivities.rows(); ++i) EXPECT_NEAR(sensitivities.row(i).sum(), 0.5, 0.02);
+}
+
+TEST(PartFactorsCase, WhatFiveFrequenciesOfABridgeDoNotTellIsNamed) {
+  const ScratchFolder folder("bridge-frequencies");
+  const BridgeCase bridge(folder, 7);
+  const auto first = results_of(bridge.text(false), "update").get<UpdatingOutcome>().first;
+  std::printf("17 factors, 5 frequencies: %zu combinations not told apart, %zu groups proposed, %zu held\n",
+              first.remarks.size(), first.proposal.groups.size(), first.proposal.hold.size());
+  for (const auto& remark : first.remarks) std::printf("  %s\n", remark.c_str());
+  EXPECT_GE(first.remarks.size(), 12u);
+  EXPECT_LE(first.proposal.groups.size(), 5u);
+  EXPECT_GE(first.proposal.groups.size(), 2u);
+  std::size_t members = first.proposal.hold.size();
+  for (const auto& group : first.proposal.groups) members += group.size();
+  EXPECT_EQ(members, 17u);
 }
 
 /// Three masses in a row on springs, as matrices with a factor for the second spring.

@@ -175,6 +175,15 @@ TEST(SparseFactor, ASingularMatrixIsFoundThoughRoundingHidesIt) {
   }
 }
 
+TEST(SparseFactor, SpringsHoldRowsThatTheMatrixDoesNotStore) {
+  SparseMatrix<double> matrix = grid(30, 0.5);
+  matrix.prune([](Index i, Index j, double) { return i % 7 != 0 && j % 7 != 0; });
+  const VectorXd springs = VectorXd::LinSpaced(900, 1.0, 2.0), load = VectorXd::LinSpaced(900, -1.0, 3.0);
+  const MatrixXd held = MatrixXd(matrix) + MatrixXd(springs.asDiagonal());
+  const VectorXd expected = held.llt().solve(load);
+  EXPECT_LT((SparseFactor(matrix, {}, springs).solve(load) - expected).norm(), 1e-12 * expected.norm());
+}
+
 TEST(SparseFactor, AnIllConditionedMatrixIsNotSingular) {
   // a long chain fixed at one end: the flexibility of its tip is the number of springs
   SparseMatrix<double> chain(4000, 4000);

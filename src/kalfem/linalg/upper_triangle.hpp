@@ -12,7 +12,7 @@ namespace kalfem {
 
 /// The upper triangle of a symmetric matrix by columns, rows ascending, which CHOLMOD turns into its own form with one
 /// copy. With 64-bit indices: those of the factor may exceed 32 bits where the matrix's own do not. `springs`, n x 1,
-/// are added to the diagonal, where they are given.
+/// are added to the diagonal, where they are given, whether the matrix has entries there or not.
 struct UpperTriangle {
   explicit UpperTriangle(const Eigen::SparseMatrix<double>& matrix, const Eigen::VectorXd& springs = {})
       : size(matrix.rows()), diagonal(matrix.diagonal()) {
@@ -21,11 +21,16 @@ struct UpperTriangle {
     rows.reserve(static_cast<std::size_t>(matrix.nonZeros() / 2 + size) + 1);  // never without memory: CHOLMOD
     values.reserve(rows.capacity());                                           // refuses null pointers
     for (Eigen::Index column = 0; column < size; ++column) {
-      for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, column); it; ++it)
-        if (it.row() <= column) {
-          rows.push_back(it.row());
-          values.push_back(it.row() == column ? diagonal[column] : it.value());
-        }
+      bool has_diagonal = springs.size() == 0;
+      for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, column); it && it.row() <= column; ++it) {
+        rows.push_back(it.row());
+        values.push_back(it.row() == column ? diagonal[column] : it.value());
+        has_diagonal |= it.row() == column;
+      }
+      if (!has_diagonal) {
+        rows.push_back(column);
+        values.push_back(diagonal[column]);
+      }
       starts.push_back(static_cast<std::int64_t>(rows.size()));
     }
   }

@@ -232,10 +232,18 @@ ModalResidual::Solution ModalResidual::solve_first(const VectorXd& start) {
 /// By number, by shape, or by order among those that are free. Throws InvalidInput where a mode pairs with nothing.
 std::vector<ModePair> ModalResidual::first_pairs(const Solution& solution) const {
   const VectorXd frequencies = solution.frequencies(skip_);
-  MatrixXd mac = agreement(solution);
+  MatrixXd mac = agreement(solution, solution.groups);
   for (std::size_t i = 0; i < measured_.size(); ++i)
     if (const auto mode = measured_[i].model_mode) name_pair(mac, static_cast<Index>(i), *mode - 1);
-  auto pairs = pair_modes(mac, frequencies_of(measured_), frequencies, options_.pairing);
+  const auto paired = [&] { return pair_modes(mac, frequencies_of(measured_), frequencies, options_.pairing); };
+  auto pairs = paired();
+  if (!std::ranges::all_of(pairs, [](const ModePair& pair) { return pair.model.has_value(); })) {
+    const MatrixXd joined = agreement(solution, group_modes(solution.modes.values, options_.close));
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+      if (!pairs[i].model && !measured_[i].model_mode && errors_[i])
+        mac.row(static_cast<Index>(i)) = joined.row(static_cast<Index>(i));
+    pairs = paired();
+  }
   pair_by_order(measured_, frequencies, pairs);
   IssueList issues;
   for (std::size_t i = 0; i < pairs.size(); ++i)
@@ -283,10 +291,10 @@ SubspaceFit ModalResidual::recognise(std::size_t mode, const Solution& solution,
 }
 
 /// MAC of measured modes and the groups of elastic modes, the same for all of a group.
-MatrixXd ModalResidual::agreement(const Solution& solution) const {
+MatrixXd ModalResidual::agreement(const Solution& solution, const std::vector<ModeGroup>& groups) const {
   MatrixXd mac(static_cast<Index>(measured_.size()), solution.elastic(skip_));
   for (std::size_t i = 0; i < measured_.size(); ++i)
-    for (const ModeGroup& group : solution.groups) {
+    for (const ModeGroup& group : groups) {
       const Index first = std::max(group.first, skip_), end = std::min(group.first + group.size, solution.end);
       if (first >= end) continue;
       const double value = recognise(i, solution, group).mac;
@@ -298,7 +306,8 @@ MatrixXd ModalResidual::agreement(const Solution& solution) const {
 std::vector<ModePair> ModalResidual::pairs(const Solution& solution, double least_mac) const {
   ModePairingOptions options = options_.pairing;
   options.least_mac = least_mac;
-  return pair_modes(agreement(solution), frequencies_of(measured_), solution.frequencies(skip_), options);
+  return pair_modes(agreement(solution, solution.groups), frequencies_of(measured_), solution.frequencies(skip_),
+                    options);
 }
 
 /// Nothing where a mode is lost or has no frequency.
@@ -447,11 +456,17 @@ std::optional<MatrixXd> ModalResidual::jacobian(const Solution& solution, const 
   return jacobian;
 }
 
+std::shared_ptr<const ModalResidual> ModalResidual::with_close_modes_joined() const {
+  auto joined = std::make_shared<ModalResidual>(*this);
+  joined->options_.repeated = options_.close;
+  return joined;
+}
+
 ModePairing ModalResidual::compare(const VectorXd& parameters) const {
   const Solution solution = solve(parameters);
   const auto found = pairs(solution, 0.0);
   const auto at = places(solution);
-  ModePairing comparison{{}, solution.frequencies(skip_), agreement(solution)};
+  ModePairing comparison{{}, solution.frequencies(skip_), agreement(solution, solution.groups)};
   for (std::size_t i = 0; i < found.size(); ++i) {
     const double measured = measured_[i].frequency, error = found[i].frequency_difference;
     PairedMode row{i, {}, measured, measured * (1.0 + error), error, found[i].mac};

@@ -23,6 +23,7 @@ struct ModalResidualOptions {
   ModePairingOptions pairing = {};  ///< at the start; least_mac holds there
   double lost_mac = 0.2;            ///< below it a mode that was paired is lost: the residual has no value there
   double repeated = 1e-6;           ///< relative difference of eigenvalues that count as one, see group_modes()
+  double close = 0.1;               ///< of those whose modes may change places: see with_close_modes_joined()
   EigenSensitivityOptions sensitivities = {};
 };
 
@@ -45,11 +46,12 @@ struct ModePairing {
 /// The model's damping ratio is phi^T C phi / (2 omega) beside the ratio of its modal damping: that of the complex mode
 /// where C leaves the modes uncoupled, and to first order in the coupling otherwise.
 ///
-/// Modes are paired anew at every evaluation, see pair_modes(). A measured mode with a shape is recognised by it. One
-/// without a shape, or with a model_mode, is paired at the start (by its number, or by order among those still free)
-/// and then recognised by the shape that the model had there, weighted with the mass: so crossings are survived. In a
-/// group of repeated eigenvalues the frequencies are differentiated along the combinations that are nearest to the
-/// shapes by which they are recognised; at the start without shapes, along those that the parameters split.
+/// Modes are paired anew at every evaluation, see pair_modes(). A measured mode with a shape is recognised by it; at
+/// the start it may lie in the space of close modes that the model mixes otherwise. One without a shape, or with a
+/// model_mode, is paired at the start (by its number, or by order among those still free) and then recognised by the
+/// shape that the model had there, weighted with the mass: so crossings are survived. In a group of repeated
+/// eigenvalues the frequencies are differentiated along the combinations that are nearest to the shapes by which they
+/// are recognised; at the start without shapes, along those that the parameters split.
 class ModalResidual final : public Residual {
 public:
   /// Throws InvalidInput with everything that is wrong: points that the model does not have, values that are not
@@ -63,6 +65,11 @@ public:
   [[nodiscard]] RowLayout layout() const override;
   [[nodiscard]] std::optional<ResidualValue> evaluate(const Eigen::VectorXd& parameters,
                                                       bool with_jacobian) const override;
+
+  /// The same where close modes count as one group, so that a measured shape need only lie in the space of them, with
+  /// the frequency along it: smooth where two modes cross and mix. Its minimum is a start for the search of this
+  /// residual's. Derivatives of frequencies leave out the turning of the shape within the group.
+  [[nodiscard]] std::shared_ptr<const ModalResidual> with_close_modes_joined() const;
 
   /// At these parameters. Throws InvalidInput where the model has no modes there.
   [[nodiscard]] ModePairing compare(const Eigen::VectorXd& parameters) const;
@@ -81,7 +88,7 @@ private:
   [[nodiscard]] SubspaceFit fit_shape(std::size_t mode, const Solution& solution, const ModeGroup& group) const;
   [[nodiscard]] SubspaceFit fit_reference(std::size_t mode, const Solution& solution, const ModeGroup& group) const;
   [[nodiscard]] SubspaceFit recognise(std::size_t mode, const Solution& solution, const ModeGroup& group) const;
-  [[nodiscard]] Eigen::MatrixXd agreement(const Solution& solution) const;
+  [[nodiscard]] Eigen::MatrixXd agreement(const Solution& solution, const std::vector<ModeGroup>& groups) const;
   [[nodiscard]] std::optional<std::vector<Place>> places(const Solution& solution) const;
   [[nodiscard]] Eigen::VectorXd direction(std::size_t mode, const std::vector<Place>& places,
                                           const Solution& solution) const;

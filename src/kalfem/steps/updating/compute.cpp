@@ -9,11 +9,9 @@
 #include "kalfem/base/stopwatch.hpp"
 #include "kalfem/diagnosis/judge_updating.hpp"
 #include "kalfem/identification/filter_run.hpp"
-#include "kalfem/steps/updating/checkpoint.hpp"
+#include "kalfem/steps/updating/search.hpp"
 #include "kalfem/updating/evidence.hpp"
 #include "kalfem/updating/frf_residual.hpp"
-#include "kalfem/updating/gauss_newton.hpp"
-#include "kalfem/updating/global_search.hpp"
 #include "kalfem/updating/parameter_statistics.hpp"
 #include "kalfem/updating/sensitivity_check.hpp"
 
@@ -25,155 +23,6 @@ using Eigen::VectorXd;
 namespace {
 
 using Parameters = std::vector<UpdatingParameter>;
-
-/// The weighted sum of all comparisons at one continuation step.
-ResidualSum sum_of(const std::vector<ComparisonResidual>& comparisons, std::size_t step) {
-  std::vector<ResidualSum::Term> terms;
-  for (const auto& comparison : comparisons) terms.push_back({comparison.step(step), comparison.weight});
-  return ResidualSum(std::move(terms));
-}
-
-std::size_t continuation_steps_of(const std::vector<ComparisonResidual>& comparisons) {
-  std::size_t continuation_steps = 1;
-  for (const auto& comparison : comparisons)
-    continuation_steps = std::max(continuation_steps, comparison.continuation_steps.size());
-  return continuation_steps;
-}
-
-double rms_of(double cost, Index size) { return std::sqrt(2.0 * cost / static_cast<double>(std::max<Index>(1, size))); }
-
-/// Runs the search iteration by iteration and keeps a checkpoint between them.
-class Search {
-public:
-  Search(const Study& study, const RunOptions& options, UpdatingOutcome& updating)
-      : study_(study),
-        options_(options),
-        outcome_(updating),
-        checkpoint_(options.folder, fingerprint_of(study, updating.residual_initial), updating.values.size()) {}
-
-  /// Starts from the given point, whose residual may be known already, or from the checkpoint of an earlier run.
-  /// `last`: the residual at the end, with its Jacobian if it was computed.
-  GaussNewton run(const ResidualSum& residual, const VectorXd& start, const ResidualValue* first,
-                  std::optional<ResidualValue>& last) {
-    const auto options = study_.updating_plan->search;
-    GaussNewtonState state = starting_at(start, options);
-    if (auto earlier = checkpoint_.read()) {
-      state = std::move(earlier->state);
-      outcome_.trace = std::move(earlier->trace);
-      outcome_.resumed_at = state.evaluations;
-    }
-    GaussNewton search(study_.updating->parameters, options, state);
-    while (!search.finished()) {
-      const Stopwatch watch;
-      const VectorXd tried = search.proposal();
-      const bool known = first && search.state().evaluations == 0;
-      auto value = known ? std::optional(*first) : residual.evaluate(tried, search.needs_jacobian());
-      const bool accepted = search.tell(value);
-      if (accepted) last = std::move(value);
-      keep({accepted, tried, search.state().parameters, rms_of(search.state().residual_cost, residual.size()),
-            watch.seconds()});
-      checkpoint_.write({search.state(), outcome_.trace});
-    }
-    return search;
-  }
-
-  void keep(UpdatingStep step) {
-    outcome_.trace.push_back(std::move(step));
-    show_progress(static_cast<int>(outcome_.trace.size()));
-    if (options_.on_updating_step)
-      options_.on_updating_step(static_cast<int>(outcome_.trace.size()), outcome_.trace.back());
-  }
-
-private:
-  /// When the search will converge is not known: half of it is expected in so many evaluations.
-  void show_progress(int evaluations) const {
-    constexpr double half = 8.0;
-    if (options_.progress)
-      options_.progress("evaluation " + std::to_string(evaluations), evaluations / (evaluations + half));
-  }
-
-  const Study& study_;
-  const RunOptions& options_;
-  UpdatingOutcome& outcome_;
-  UpdatingCheckpoint checkpoint_;
-};
-
-/// End point of a search, with the residual there.
-using LastResidual = std::optional<ResidualValue>;
-
-void end_with(Termination end, const std::string& reason, UpdatingOutcome& updating) {
-  updating.end = end;
-  updating.termination = reason;
-  updating.converged = converged(end);
-}
-
-/// Continuation from wide to narrow smoothing; each step starts at the end of the one before. Only the last step keeps
-/// a checkpoint.
-LastResidual search_from_one_start(const Study& study, const std::vector<ComparisonResidual>& comparisons,
-                                   const ResidualValue& first, const RunOptions& options, UpdatingOutcome& updating) {
-  updating.method = "Gauss-Newton in a trust region";
-  const std::size_t continuation_steps = continuation_steps_of(comparisons);
-  VectorXd start = initial_values(study.updating->parameters);
-  for (std::size_t step = 0; step + 1 < continuation_steps; ++step) {
-    LeastSquaresOptions least_squares{.search = study.updating_plan->search, .start = start, .watch = {}};
-    const auto outcome = minimise(sum_of(comparisons, step), study.updating->parameters, least_squares);
-    updating.evaluations += outcome.evaluations;
-    updating.iterations += outcome.iterations;
-    start = outcome.parameters;
-  }
-  if (continuation_steps > 1)
-    updating.method +=
-        ", smoothed or local comparisons first, in " + std::to_string(continuation_steps) + " continuation steps";
-  LastResidual last;
-  const auto done =
-      Search(study, options, updating)
-          .run(sum_of(comparisons, continuation_steps - 1), start, continuation_steps == 1 ? &first : nullptr, last);
-  updating.values = done.state().parameters;
-  end_with(*done.finished(), explain(*done.finished()), updating);
-  updating.evaluations += done.state().evaluations;
-  updating.iterations += done.state().iterations;
-  return last;
-}
-
-LastResidual search_from_many_starts(const Study& study, const std::vector<ComparisonResidual>& comparisons,
-                                     UpdatingOutcome& updating) {
-  const UpdatingPlan& plan = *study.updating_plan;
-  std::vector<ResidualSum> steps;
-  for (std::size_t step = 0; step < continuation_steps_of(comparisons); ++step)
-    steps.push_back(sum_of(comparisons, step));
-  MultiStartOptions options{.starts = plan.starts, .seed = plan.seed, .search = {}};
-  options.search.search = plan.search;
-  for (std::size_t step = 0; step + 1 < steps.size(); ++step) options.continuation.push_back(&steps[step]);
-  const auto outcome = minimise_from_many(steps.back(), study.updating->parameters, options);
-  updating.values = outcome.best.parameters;
-  end_with(outcome.best.termination, outcome.best.reason(), updating);
-  updating.evaluations = outcome.evaluations;
-  updating.iterations = outcome.best.iterations;
-  updating.method = fmt::format(
-      "Gauss-Newton in a trust region from {} starts, of which {} converged; they ended at {} {}", plan.starts,
-      outcome.converged, outcome.minima.size(), outcome.minima.size() == 1 ? "point" : "different points");
-  for (const auto& minimum : outcome.minima)
-    updating.minima.push_back({minimum.parameters, rms_of(minimum.residual_cost, steps.back().size()), minimum.cost,
-                               minimum.reached, minimum.converged});
-  return outcome.best.residual;
-}
-
-LastResidual search_by_evolution(const Study& study, const ResidualSum& residual, UpdatingOutcome& updating) {
-  const UpdatingPlan& plan = *study.updating_plan;
-  EvolutionOptions options;
-  options.search = plan.evolution;
-  options.polishing->search = plan.search;
-  const auto outcome = evolve(residual, study.updating->parameters, options);
-  updating.method = "CMA-ES, then Gauss-Newton in a trust region";
-  updating.values = outcome.parameters;
-  if (outcome.polished) updating.end = outcome.polished->termination;
-  updating.termination = outcome.reason();
-  updating.converged = outcome.found() && (!outcome.polished || outcome.polished->usable());
-  updating.evaluations = outcome.evaluations + (outcome.polished ? outcome.polished->evaluations : 0);
-  updating.iterations = static_cast<int>(outcome.trace.size());
-  if (!outcome.polished) return std::nullopt;
-  return outcome.polished->residual;
-}
 
 std::vector<FrfCurve> curves(const FrfResidual& residual, const VectorXd& start, const VectorXd& end) {
   std::vector<FrfCurve> all;
@@ -318,7 +167,7 @@ std::optional<ResidualValue> first_values_without_record(const Study& study,
                                                          std::vector<ComparisonResidual> comparisons) {
   std::erase_if(comparisons, [](const ComparisonResidual& each) { return each.of_record; });
   if (comparisons.empty()) return std::nullopt;
-  const ResidualSum residual = sum_of(comparisons, continuation_steps_of(comparisons) - 1);
+  const ResidualSum residual = last_sum(comparisons);
   auto value = residual.evaluate(initial_values(study.updating->parameters), true);
   if (!value) refuse_first_values(study);
   return value;
@@ -373,8 +222,7 @@ std::vector<ComparisonResidual> all_comparisons(const Study& study, const StudyR
 
 // 1. Evaluate the residual of the last continuation step with its Jacobian at the initial values. Each parameter must
 //    have an effect.
-// 2. Search by the plan's method: CMA-ES, Gauss-Newton from several starts, or from one start with continuation and
-//    checkpoint.
+// 2. Search by the plan's method, see search().
 // 3. Evaluate at the end point for the statistics: covariance, identifiability, and each comparison before and after.
 UpdatingOutcome run_updating(const Study& study, const StudyResults& results, const RunOptions& options,
                              std::string& failure) {
@@ -382,7 +230,7 @@ UpdatingOutcome run_updating(const Study& study, const StudyResults& results, co
   const UpdatingPlan& plan = *study.updating_plan;
   const Parameters& parameters = study.updating->parameters;
   const std::vector<ComparisonResidual> comparisons = all_comparisons(study, results);
-  const ResidualSum residual = sum_of(comparisons, continuation_steps_of(comparisons) - 1);
+  const ResidualSum residual = last_sum(comparisons);
   UpdatingOutcome updating;
   updating.values = initial_values(parameters);
   const auto first = residual.evaluate(updating.values, true);
@@ -396,9 +244,7 @@ UpdatingOutcome run_updating(const Study& study, const StudyResults& results, co
   if (plan.check_sensitivities)
     updating.sensitivities = check_sensitivities(residual, parameters, updating.values, check_options(comparisons));
 
-  LastResidual last = plan.method == UpdatingMethod::evolution ? search_by_evolution(study, residual, updating)
-                      : plan.starts > 1                        ? search_from_many_starts(study, comparisons, updating)
-                                        : search_from_one_start(study, comparisons, *first, options, updating);
+  LastResidual last = search(study, comparisons, *first, options, updating);
   explain_end(study, comparisons, residual, updating);
   if (!last || last->jacobian.size() == 0) last = residual.evaluate(updating.values, true);
   if (last && last->jacobian.size() > 0) consider_stated(study, results, updating, *last);
