@@ -39,6 +39,7 @@ struct Arguments {
   command::MatchArguments match;
   std::string case_file, resumed, page, shell, topic, kind, folder;
   std::vector<std::string> units, files;
+  RunsAre runs_are = RunsAre::answers;
   bool json = false, quiet = false, laws = false, ledger = false, large = false;
 };
 
@@ -141,7 +142,8 @@ command::ExitCode execute(const CLI::App& app, Arguments& arguments) {
   if (app.got_subcommand("completion")) return command::completion(arguments.shell, verbs_of(app));
   if (app.got_subcommand("schema")) return command::schema(arguments.json, arguments.laws, arguments.topic);
   if (app.got_subcommand("report")) return command::report(arguments.folder, arguments.json);
-  if (app.got_subcommand("compare")) return command::compare(arguments.files, arguments.json, arguments.page);
+  if (app.got_subcommand("compare"))
+    return command::compare(arguments.files, arguments.runs_are, arguments.json, arguments.page);
   if (app.got_subcommand("plot")) return command::plot(arguments.plot);
   if (app.got_subcommand("watch")) {
     arguments.watch.changes = arguments.run.changes;
@@ -432,6 +434,9 @@ void add_verbs(CLI::App& app, Arguments& arguments) {
   auto* compare = app.add_subcommand("compare", "compare finished runs: parameters, errors, verdicts, times");
   compare->add_option("folders", arguments.files, "folders of the results; the first is what the others differ from")
       ->required();
+  compare->add_flag_callback(
+      "--population", [&] { arguments.runs_are = RunsAre::members; },
+      "the runs are nominally equal structures, or campaigns at one: mean, spread, and the interval of the next");
   compare->add_flag("--json", arguments.json, "as JSON");
   compare->add_option("--page", arguments.page, "write an HTML page with the courses of the parameters to this file")
       ->type_name("FILE");

@@ -9,9 +9,9 @@
 
 namespace kalfem::command {
 
-ExitCode compare(const std::vector<std::string>& folders, bool as_json, const std::string& page_file) {
+ExitCode compare(const std::vector<std::string>& folders, RunsAre are, bool as_json, const std::string& page_file) {
   if (!page_file.empty()) require_writable(page_file);
-  const RunComparison comparison = compare_runs({folders.begin(), folders.end()});
+  const RunComparison comparison = compare_runs({folders.begin(), folders.end()}, are);
   if (as_json)
     print("{}\n", comparison_json(comparison).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   else

@@ -10,6 +10,7 @@
 
 #include "kalfem/modal/modal_options.hpp"
 #include "kalfem/model/unit_system.hpp"
+#include "kalfem/report/finished/run_comparison.hpp"
 #include "kalfem/steps/run_study.hpp"
 
 namespace kalfem::command {
@@ -37,8 +38,8 @@ ExitCode run(const RunArguments& arguments, std::string_view verb);
 ExitCode resume(const std::string& folder, const RunArguments& arguments);
 /// report: what a finished run printed, from its folder, with its exit code; or its summary.json.
 ExitCode report(const std::string& folder, bool as_json);
-/// compare: finished runs side by side, as tables, JSON or a page.
-ExitCode compare(const std::vector<std::string>& folders, bool as_json, const std::string& page_file);
+/// compare: finished runs side by side, answers to one question or members of a population, as tables, JSON or a page.
+ExitCode compare(const std::vector<std::string>& folders, RunsAre are, bool as_json, const std::string& page_file);
 
 struct SweepArguments {
   std::string case_file;

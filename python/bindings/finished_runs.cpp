@@ -8,9 +8,9 @@
 namespace kalfem::python {
 namespace {
 
-RunComparison compare(const std::vector<std::string>& folders) {
+RunComparison compare(const std::vector<std::string>& folders, bool population) {
   const py::gil_scoped_release released;
-  return compare_runs({folders.begin(), folders.end()});
+  return compare_runs({folders.begin(), folders.end()}, population ? RunsAre::members : RunsAre::answers);
 }
 
 std::string summary_of(const RunComparison& comparison) {
@@ -30,7 +30,8 @@ void bind_finished_runs(py::module_& module) {
       .def_readonly("warnings", &RunComparison::warnings)
       .def_property_readonly("summary", &summary_of, "What `kalfem compare --json` prints.")
       .def("write_page", &write_page, py::arg("path"));
-  module.def("compare_runs", &compare, py::arg("folders"), "Read finished runs: see kalfem.compare_runs.");
+  module.def("compare_runs", &compare, py::arg("folders"), py::arg("population"),
+             "Read finished runs: see kalfem.compare_runs.");
 }
 
 }  // namespace kalfem::python

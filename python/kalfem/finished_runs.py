@@ -12,13 +12,17 @@ from typing import Any
 from .compiled import core
 
 
-def compare_runs(folders: Sequence[str | Path]) -> RunComparison:
+def compare_runs(folders: Sequence[str | Path], population: bool = False) -> RunComparison:
     """Compare finished runs as `kalfem compare` does: filters, sensor sets or records beside each other.
 
     Parameters
     ----------
     folders : sequence of paths
         Of two or more runs, by the command or by ``kf.run(case, out=folder)``. The others are compared with the first.
+    population : bool
+        The runs are of nominally equal structures, or campaigns at one, each with data of its own:
+        ``summary["population"]`` then has, of each parameter, the mean, the spread (standard deviation of the true
+        values) and the interval of the next member, 95 %, and each run's value with what the others tell of it.
 
     Returns
     -------
@@ -29,10 +33,10 @@ def compare_runs(folders: Sequence[str | Path]) -> RunComparison:
     Raises
     ------
     InvalidInput
-        With every folder that holds no results, or where fewer than two are given.
+        With every folder that holds no results, where fewer than two are given, or where no parameter has a population.
     """
     one = isinstance(folders, (str, os.PathLike))
-    return RunComparison(core.compare_runs([os.fspath(folder) for folder in ([folders] if one else folders)]))
+    return RunComparison(core.compare_runs([os.fspath(folder) for folder in ([folders] if one else folders)], population))
 
 
 class RunComparison:

@@ -66,8 +66,8 @@ bool has_free_names(const Json& schema) {
 
 /// Keys whose text may be anything.
 bool is_free_text(const std::string& key) {
-  static const std::set<std::string> free{"title",   "name",    "channel", "unit",      "columns",
-                                          "dataset", "grounds", "state",   "write_deck"};
+  static const std::set<std::string> free{"title", "name",       "channel", "unit",   "columns", "dataset", "grounds",
+                                          "state", "write_deck", "broker",  "client", "publish", "topics"};
   return free.contains(key);
 }
 

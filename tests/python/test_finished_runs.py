@@ -43,6 +43,20 @@ def test_warns_where_the_records_differ(folders):
     assert told == [f"warning: {warning}" for warning in found.warnings]
 
 
+def test_members_of_a_population(folders):
+    members = [folders["ukf"], folders["other"]]
+    found = kf.compare_runs(members, population=True)
+    told = of_command(*members, "--population")
+    assert str(found) == told.stdout and found.warnings == []
+    assert "the next member" in told.stdout and "Members:" in told.stdout
+    for population in found.summary["population"].values():
+        low, high = population["next"]["interval"]
+        assert low < population["mean"]["interval"][0] < population["mean"]["interval"][1] < high
+        assert len(population["runs"]) == 2 and population["spread"]["interval"][0] >= 0
+    same = kf.compare_runs([folders["ukf"], folders["ekf"]], population=True)
+    assert len(same.warnings) == 1 and "data of their own" in same.warnings[0]
+
+
 def test_writes_the_page_of_the_command(folders, tmp_path):
     kf.compare_runs([folders["ukf"], folders["ekf"]]).report(tmp_path / "here.html")
     assert of_command(folders["ukf"], folders["ekf"], "--page", tmp_path / "there.html").returncode == 0

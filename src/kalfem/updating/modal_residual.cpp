@@ -233,17 +233,13 @@ ModalResidual::Solution ModalResidual::solve_first(const VectorXd& start) {
 std::vector<ModePair> ModalResidual::first_pairs(const Solution& solution) const {
   const VectorXd frequencies = solution.frequencies(skip_);
   MatrixXd mac = agreement(solution, solution.groups);
+  // A shape that is like no single mode may be one that close modes make together.
+  const MatrixXd joined = agreement(solution, group_modes(solution.modes.values, options_.close));
+  for (Index i = 0; i < mac.rows() && mac.cols() > 0; ++i)
+    if (mac.row(i).maxCoeff() < options_.pairing.least_mac) mac.row(i) = joined.row(i);
   for (std::size_t i = 0; i < measured_.size(); ++i)
     if (const auto mode = measured_[i].model_mode) name_pair(mac, static_cast<Index>(i), *mode - 1);
-  const auto paired = [&] { return pair_modes(mac, frequencies_of(measured_), frequencies, options_.pairing); };
-  auto pairs = paired();
-  if (!std::ranges::all_of(pairs, [](const ModePair& pair) { return pair.model.has_value(); })) {
-    const MatrixXd joined = agreement(solution, group_modes(solution.modes.values, options_.close));
-    for (std::size_t i = 0; i < pairs.size(); ++i)
-      if (!pairs[i].model && !measured_[i].model_mode && errors_[i])
-        mac.row(static_cast<Index>(i)) = joined.row(static_cast<Index>(i));
-    pairs = paired();
-  }
+  auto pairs = pair_modes(mac, frequencies_of(measured_), frequencies, options_.pairing);
   pair_by_order(measured_, frequencies, pairs);
   IssueList issues;
   for (std::size_t i = 0; i < pairs.size(); ++i)

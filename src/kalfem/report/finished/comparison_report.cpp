@@ -11,6 +11,7 @@
 #include "kalfem/page/display_unit.hpp"
 #include "kalfem/page/json_number.hpp"
 #include "kalfem/page/words.hpp"
+#include "kalfem/report/finished/run_population.hpp"
 
 namespace kalfem {
 namespace {
@@ -181,6 +182,8 @@ Json parameter_json(const ComparedParameter& parameter) {
 
 std::vector<Table> comparison_tables(const RunComparison& comparison) {
   std::vector<Table> tables{run_table(comparison), without_empty_columns(parameter_comparison(comparison))};
+  if (comparison.are == RunsAre::members)
+    for (auto& table : population_tables(comparison)) tables.push_back(std::move(table));
   for (const auto& [title, key, errors] : kinds_of_errors)
     tables.push_back(error_comparison(title, comparison, errors));
   tables.insert(tables.begin() + 2, sensor_comparison(comparison));
@@ -205,6 +208,7 @@ Json comparison_json(const RunComparison& comparison) {
     for (const auto& [name, values] : compared_errors(comparison, kind))
       for (const auto& value : values) errors[name].push_back(number(value));
   }
+  if (comparison.are == RunsAre::members) json["population"] = population_json(comparison);
   json["differences"] = comparison.differences;
   json["warnings"] = comparison.warnings;
   return json;

@@ -10,7 +10,8 @@
 namespace kalfem {
 
 /// The runs with verdict, filter, NIS and time; the parameters; the agreement of each sensor; the errors of estimated,
-/// smoothed and predicted motion and of the validation; the times by step. What a run does not have is a dash; tables
+/// smoothed and predicted motion and of the validation; the times by step; of members the population, see
+/// population_tables(). What a run does not have is a dash; tables
 /// without rows are left out.
 std::vector<Table> comparison_tables(const RunComparison& comparison);
 

@@ -69,13 +69,17 @@ bool differ(const Eigen::VectorXd& mine, const Eigen::VectorXd& theirs) {
   return difference > alike * there.select(mine, 0.0).norm();
 }
 
-/// Sensors of both runs whose records differ.
-std::vector<std::string> sensors_with_other_data(const RunSeries& first, const RunSeries& other) {
-  std::vector<std::string> sensors;
+/// Sensors of both runs, parted by whether their records differ.
+struct CommonSensors {
+  std::vector<std::string> same, different;
+};
+
+CommonSensors common_sensors(const RunSeries& first, const RunSeries& other) {
+  CommonSensors sensors;
   for (const auto& path : first.below("/measurements")) {
     const auto mine = first.read(path), theirs = other.read(path);
     if (!theirs) continue;
-    if (differ(*mine, *theirs)) sensors.push_back(path.substr(path.rfind('/') + 1));
+    (differ(*mine, *theirs) ? sensors.different : sensors.same).push_back(path.substr(path.rfind('/') + 1));
   }
   return sensors;
 }
@@ -90,11 +94,26 @@ std::vector<std::string> parameters_with_other_truth(const FinishedRun& first, c
   return names;
 }
 
-std::vector<std::string> warnings_of(const std::vector<FinishedRun>& runs, const std::vector<std::string>& labels) {
+/// Members of a population with one record are one member counted twice.
+std::vector<std::string> warnings_of_members(const std::vector<FinishedRun>& runs,
+                                             const std::vector<std::string>& labels) {
+  std::vector<std::string> warnings;
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    for (std::size_t j = i + 1; j < runs.size(); ++j)
+      if (const auto same = common_sensors(RunSeries(runs[i]), RunSeries(runs[j])).same; !same.empty())
+        warnings.push_back(
+            fmt::format("'{}' and '{}' rest on the same records of {}: members of a population need data "
+                        "of their own, or its spread comes out too small",
+                        labels[i], labels[j], fmt::join(same, ", ")));
+  return warnings;
+}
+
+std::vector<std::string> warnings_of_answers(const std::vector<FinishedRun>& runs,
+                                             const std::vector<std::string>& labels) {
   std::vector<std::string> warnings;
   const RunSeries first(runs.front());
   for (std::size_t i = 1; i < runs.size(); ++i) {
-    if (const auto sensors = sensors_with_other_data(first, RunSeries(runs[i])); !sensors.empty())
+    if (const auto sensors = common_sensors(first, RunSeries(runs[i])).different; !sensors.empty())
       warnings.push_back(fmt::format("'{}' and '{}' do not rest on the same data: the records of {} differ",
                                      labels.front(), labels[i], fmt::join(sensors, ", ")));
     if (const auto names = parameters_with_other_truth(runs.front(), runs[i]); !names.empty())
@@ -106,12 +125,12 @@ std::vector<std::string> warnings_of(const std::vector<FinishedRun>& runs, const
 
 }  // namespace
 
-RunComparison compare_runs(const std::vector<fs::path>& folders) {
+RunComparison compare_runs(const std::vector<fs::path>& folders, RunsAre are) {
   if (folders.size() < 2)
     throw InvalidInput(fmt::format("compare: {} given", folders.empty() ? "no folder" : "one folder"),
                        "a comparison needs at least two",
                        "give the folders of two or more runs; `kalfem report` shows a single one");
-  RunComparison comparison;
+  RunComparison comparison{.are = are, .runs = {}, .labels = {}, .differences = {}, .warnings = {}};
   IssueList issues;
   for (const auto& folder : folders) try {
       comparison.runs.push_back(read_finished_run(folder));
@@ -121,7 +140,8 @@ RunComparison compare_runs(const std::vector<fs::path>& folders) {
   issues.raise();
   comparison.labels = labels_of(comparison.runs);
   comparison.differences = differences_of(comparison.runs);
-  comparison.warnings = warnings_of(comparison.runs, comparison.labels);
+  comparison.warnings = are == RunsAre::members ? warnings_of_members(comparison.runs, comparison.labels)
+                                                : warnings_of_answers(comparison.runs, comparison.labels);
   return comparison;
 }
 

@@ -8,17 +8,22 @@
 
 namespace kalfem {
 
+/// What several runs are to each other: answers to one question, or members of a population (nominally equal
+/// structures, or campaigns at one) that each have data of their own.
+enum class RunsAre { answers, members };
+
 /// Finished runs side by side; the first one is what the others are compared with.
 struct RunComparison {
+  RunsAre are = RunsAre::answers;
   std::vector<FinishedRun> runs;
   std::vector<std::string> labels;    ///< one a run, no two the same
   std::string differences;            ///< in which sections the cases differ, a sentence; empty if in none
-  std::vector<std::string> warnings;  ///< where the runs do not rest on the same data or the same truth
+  std::vector<std::string> warnings;  ///< where answers rest on different data or truths, or members on the same data
 };
 
 /// Reads the results in two or more folders and looks for what keeps them from being compared. Throws InvalidInput
 /// where there are fewer than two, and with every folder that cannot be read, see read_finished_run().
-RunComparison compare_runs(const std::vector<std::filesystem::path>& folders);
+RunComparison compare_runs(const std::vector<std::filesystem::path>& folders, RunsAre are = RunsAre::answers);
 
 /// One parameter in all runs.
 struct ComparedParameter {

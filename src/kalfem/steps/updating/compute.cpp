@@ -121,15 +121,28 @@ SensitivityCheckOptions check_options(const std::vector<ComparisonResidual>& com
   return options;
 }
 
+bool scatter(const std::vector<SensitivityComparison>& comparisons) {
+  return std::ranges::any_of(comparisons, [](const SensitivityComparison& each) {
+    return each.verdict == SensitivityComparison::Verdict::undecided;
+  });
+}
+
 /// Says why a search stalled, from derivatives at its end: the same check that the case may ask for at the start. A
-/// driven record is not checked unless asked for, as each difference is a filter pass.
+/// driven record is not checked unless asked for, as each difference is a filter pass. On a residual that is not
+/// smooth, a search may also come to short steps by chance: that is no convergence either.
 void explain_end(const Study& study, const std::vector<ComparisonResidual>& comparisons, const ResidualSum& residual,
                  UpdatingOutcome& updating) {
-  if (updating.end != Termination::no_progress) return;
+  const bool stalled = updating.end == Termination::no_progress;
+  if (!stalled && !scatter(updating.sensitivities)) return;
   if (has_driven_record(comparisons) && !study.updating_plan->check_sensitivities) return;
   const auto found =
       check_sensitivities(residual, study.updating->parameters, updating.values, check_options(comparisons));
-  updating.termination += "; " + explain_stall(found);
+  if (stalled) {
+    updating.termination += "; " + explain_stall(found);
+  } else if (scatter(found)) {
+    updating.converged = false;
+    updating.termination = "not converged: the steps became short, but " + explain_stall(found);
+  }
 }
 
 /// A comparison with the record as a residual.

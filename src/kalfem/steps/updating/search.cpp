@@ -141,17 +141,23 @@ bool misses_modes(const std::vector<ComparisonResidual>& comparisons, const Vect
   return false;
 }
 
-/// The comparisons that need no record, with close modes joined.
-ResidualSum with_close_modes_joined(const std::vector<ComparisonResidual>& comparisons) {
+/// The comparisons of modes and all others that need no record, with close modes joined; nothing where that changes no
+/// value at a point, as no modes are close there.
+std::optional<ResidualSum> with_close_modes_joined(const std::vector<ComparisonResidual>& comparisons,
+                                                   const VectorXd& point) {
   std::vector<ResidualSum::Term> terms;
+  bool are_close = false;
   for (const auto& comparison : comparisons) {
     const auto& residual = comparison.continuation_steps.back();
-    if (const auto* modal = dynamic_cast<const ModalResidual*>(residual.get()))
+    if (const auto* modal = dynamic_cast<const ModalResidual*>(residual.get())) {
       terms.push_back({modal->with_close_modes_joined(), comparison.weight});
-    else if (!comparison.of_record)
+      const auto alone = residual->evaluate(point, false), joined = terms.back().residual->evaluate(point, false);
+      are_close |= alone && joined && alone->values != joined->values;
+    } else if (!comparison.of_record) {
       terms.push_back({residual, comparison.weight});
+    }
   }
-  return ResidualSum(std::move(terms));
+  return are_close ? std::optional<ResidualSum>(std::move(terms)) : std::nullopt;
 }
 
 LastResidual search_from_one_start(const Study& study, const std::vector<ComparisonResidual>& comparisons,
@@ -160,10 +166,11 @@ LastResidual search_from_one_start(const Study& study, const std::vector<Compari
   const ResidualSum residual = last_sum(comparisons);
   LastResidual last = search_with_continuation(study, comparisons, first, options, updating);
   if (!last) last = residual.evaluate(updating.values, true);
-  if (!last || !misses_modes(comparisons, last->values)) return last;
+  if (updating.end == Termination::budget || !last || !misses_modes(comparisons, last->values)) return last;
+  const auto groups = with_close_modes_joined(comparisons, updating.values);
+  if (!groups) return last;
 
-  const auto joined =
-      minimise(with_close_modes_joined(comparisons), parameters, {.search = study.updating_plan->search});
+  const auto joined = minimise(*groups, parameters, {.search = study.updating_plan->search});
   LastResidual other_last;
   const auto other =
       TracedSearch(study, options, updating).run(residual, joined.parameters, nullptr, other_last, nullptr);

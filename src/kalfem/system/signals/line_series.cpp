@@ -5,11 +5,13 @@
 #include <bit>
 #include <cmath>
 #include <complex>
+#include <cstring>
 #include <numbers>
 #include <string>
 #include <unsupported/Eigen/FFT>
 #include <utility>
 
+#include "kalfem/base/vector_loops.hpp"
 #include "kalfem/system/option_checks.hpp"
 
 namespace kalfem {
@@ -18,6 +20,9 @@ namespace {
 
 constexpr Eigen::Index samples_per_block = 256;  // the table of 600 lines then fills 2.4 MB
 constexpr Eigen::Index blocks_per_product = 64;  // bounds the memory of the coefficients
+constexpr Eigen::Index strip = 16;               // samples whose sums stay in registers
+
+typedef double Strip __attribute__((vector_size(strip * sizeof(double) / 2)));
 
 /// 2 pi * fraction of (frequency * time): the product's rounding error is recovered by a fused multiply-add, so late
 /// times keep their phase.
@@ -35,17 +40,20 @@ public:
     check_sampling(start, step, count);
     SignalSamples samples(count, 3);
     if (count == 0) return samples;
-    const auto rows = std::min(samples_per_block, static_cast<Eigen::Index>(std::ceil(std::sqrt(double(count)))));
+    const auto root = static_cast<Eigen::Index>(std::ceil(std::sqrt(double(count))));
+    const Eigen::Index rows = std::min(samples_per_block, (root + strip - 1) / strip * strip);
     const Eigen::MatrixXd table = block_table(step, rows);
     const Eigen::Index blocks = (count + rows - 1) / rows;
     for (Eigen::Index first = 0; first < blocks; first += blocks_per_product) {
       const Eigen::Index some = std::min(blocks_per_product, blocks - first);
-      const Eigen::MatrixXd product = table * block_coefficients(start, step, rows, first, some);
-      for (Eigen::Index b = 0; b < some; ++b) {
-        const Eigen::Index row = (first + b) * rows;
-        const Eigen::Index filled = std::min(rows, count - row);
-        samples.middleRows(row, filled) = product.block(0, 3 * b, filled, 3).array();
-      }
+      const Eigen::MatrixXd coefficients = block_coefficients(start, step, rows, first, some);
+      for (Eigen::Index within = 0; within < rows; within += strip)
+        for (Eigen::Index b = 0; b < some; ++b) {
+          const Eigen::Index row = (first + b) * rows + within, filled = std::min(strip, count - row);
+          if (filled <= 0) break;
+          const auto sums = strip_sums(&table(0, within / strip * 2 * size()), &coefficients(0, 3 * b));
+          samples.middleRows(row, filled) = sums.topRows(filled);
+        }
     }
     return samples;
   }
@@ -53,16 +61,42 @@ public:
 private:
   Eigen::Index size() const { return static_cast<Eigen::Index>(lines_.size()); }
 
-  /// Row j: cos(w_l j step), sin(w_l j step) of all lines l; rows x 2 lines.
+  /// cos(w_l j step), sin(w_l j step) at samples j of a strip and all lines l, one strip after the other.
   Eigen::MatrixXd block_table(double step, Eigen::Index rows) const {
-    Eigen::MatrixXd table(rows, 2 * size());
-    for (Eigen::Index l = 0; l < size(); ++l)
-      for (Eigen::Index j = 0; j < rows; ++j) {
-        const double turned = angle(lines_[l].frequency, static_cast<double>(j) * step);
-        table(j, l) = std::cos(turned);
-        table(j, size() + l) = std::sin(turned);
-      }
+    Eigen::MatrixXd table(strip, rows / strip * 2 * size());
+    for (Eigen::Index first = 0; first < rows; first += strip)
+      for (Eigen::Index l = 0; l < size(); ++l)
+        for (Eigen::Index j = 0; j < strip; ++j) {
+          const double turned = angle(lines_[l].frequency, static_cast<double>(first + j) * step);
+          const Eigen::Index column = first / strip * 2 * size() + l;
+          table(j, column) = std::cos(turned);
+          table(j, column + size()) = std::sin(turned);
+        }
     return table;
+  }
+
+  /// The product of a strip of the table with the three columns of a block.
+  Eigen::Array<double, strip, 3> strip_sums(const double* table, const double* coefficients) const {
+    const Eigen::Index terms = 2 * size();
+    Eigen::Array<double, strip, 3> sums;
+    in_widest_registers([&]() KALFEM_INLINE {
+      Strip upper[3] = {}, lower[3] = {};
+      for (Eigen::Index l = 0; l < terms; ++l) {
+        Strip here[2];
+        std::memcpy(here, table + strip * l, sizeof here);
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i) {
+          upper[i] += here[0] * coefficients[l + i * terms];
+          lower[i] += here[1] * coefficients[l + i * terms];
+        }
+      }
+#pragma GCC unroll 3
+      for (int i = 0; i < 3; ++i) {
+        std::memcpy(sums.data() + strip * i, &upper[i], sizeof(Strip));
+        std::memcpy(sums.data() + strip * i + strip / 2, &lower[i], sizeof(Strip));
+      }
+    });
+    return sums;
   }
 
   /// Three columns (value, rate, acceleration) per block that begins at sample (first + b) * rows; 2 lines x 3 blocks.
