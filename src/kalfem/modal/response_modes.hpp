@@ -12,8 +12,8 @@ namespace kalfem {
 IdentifiedMode mode_of_fit(const ModalModelFit& fit, Eigen::Index pole, Eigen::Index inputs,
                            const Eigen::VectorXd& scale);
 
-/// Whether a pole's residues are more than noise: their squares by their covariance (Wald), chi-squared with two degrees
-/// of freedom a response where there is no mode, exceed what one of `lines` places does by chance, at .1 %.
+/// Whether a pole's residues are more than noise: their squares by their covariance (Wald), chi-squared with two
+/// degrees of freedom a response where there is no mode, exceed what one of `lines` places does by chance, at .1 %.
 bool stands_out(const ModalModelFit& fit, Eigen::Index pole, Eigen::Index lines);
 
 /// The peak of the first singular value of H (outputs x inputs) over the lines that is nearest to a mode, within its

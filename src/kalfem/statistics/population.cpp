@@ -125,11 +125,11 @@ struct SpreadPosterior {
 
 }  // namespace
 
-Population population_of(const std::vector<PopulationMember>& members, double probability) {
+NormalPopulation population_of(const std::vector<PopulationMember>& members, double probability) {
   check(members, probability);
   const SpreadPosterior posterior(members);
   const double outside = 0.5 * (1.0 - probability);
-  Population population;
+  NormalPopulation population;
   population.mean = NormalMixture{posterior.weights, posterior.mean, posterior.variance.sqrt()}.told(probability);
   population.spread = {posterior.spread_quantile(0.5),
                        {posterior.spread_quantile(outside), posterior.spread_quantile(1.0 - outside)}};

@@ -19,7 +19,7 @@ struct PopulationEstimate {
 };
 
 /// The members of a population, and what they say of the next one.
-struct Population {
+struct NormalPopulation {
   PopulationEstimate mean;                  ///< mu
   PopulationEstimate spread;                ///< tau, standard deviation of the true numbers
   PopulationEstimate next;                  ///< true number of a member that was not measured
@@ -36,6 +36,6 @@ struct Population {
 ///
 /// Throws InvalidInput for fewer than two members, estimates that are not finite, deviations that are not positive,
 /// and a probability outside (0, 1).
-Population population_of(const std::vector<PopulationMember>& members, double probability = 0.95);
+NormalPopulation population_of(const std::vector<PopulationMember>& members, double probability = 0.95);
 
 }  // namespace kalfem

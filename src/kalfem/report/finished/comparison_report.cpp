@@ -182,12 +182,14 @@ Json parameter_json(const ComparedParameter& parameter) {
 
 std::vector<Table> comparison_tables(const RunComparison& comparison) {
   std::vector<Table> tables{run_table(comparison), without_empty_columns(parameter_comparison(comparison))};
-  if (comparison.are == RunsAre::members)
-    for (auto& table : population_tables(comparison)) tables.push_back(std::move(table));
   for (const auto& [title, key, errors] : kinds_of_errors)
     tables.push_back(error_comparison(title, comparison, errors));
   tables.insert(tables.begin() + 2, sensor_comparison(comparison));
   tables.push_back(timing_comparison(comparison));
+  if (comparison.are == RunsAre::members) {
+    auto population = population_tables(comparison);
+    tables.insert(tables.begin(), population.begin(), population.end());
+  }
   std::erase_if(tables, [](const Table& table) { return table.rows.empty(); });
   return tables;
 }

@@ -15,7 +15,7 @@ namespace kalfem {
 struct ParameterPopulation {
   std::string name, unit;
   std::vector<std::size_t> runs;  ///< that found it with a standard deviation; two or more
-  Population of;                  ///< with 95 %; its members are those runs
+  NormalPopulation of;            ///< with 95 %; its members are those runs
 };
 
 /// Every parameter that two runs or more found with a standard deviation. Throws InvalidInput where there is none.
