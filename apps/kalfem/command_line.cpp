@@ -357,6 +357,15 @@ void add_modal(CLI::App& app, Arguments& arguments) {
       ->type_name("FROM TO")
       ->expected(2);
   modal
+      ->add_option("--subspace", options.subspace,
+                   "singular vectors of the correlations (covariance) or of the future's projection onto the past "
+                   "(data); default: covariance")
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, SubspaceMethod>{{"covariance", SubspaceMethod::covariance},
+                                                                        {"data", SubspaceMethod::data}},
+                                  CLI::ignore_case))
+      ->type_name("NAME");
+  modal
       ->add_option("--max-order", options.max_order,
                    "largest order of the models; default: four a channel, 30 to 100; of frequency responses 120")
       ->type_name("N");

@@ -51,11 +51,18 @@ ForcedRecordOptions forced_of(const py::dict& given) {
   return forced;
 }
 
+SubspaceMethod subspace_of(const std::string& name) {
+  if (name == "covariance") return SubspaceMethod::covariance;
+  if (name == "data") return SubspaceMethod::data;
+  throw InvalidInput("subspace: '" + name + "' is given", "", "give covariance or data");
+}
+
 ModalOptions options_of(const py::dict& given) {
   ModalOptions options{.channels = given["channels"].cast<std::vector<std::string>>(),
                        .references = given["references"].cast<std::vector<std::string>>(),
                        .inputs = given["inputs"].cast<std::vector<std::string>>(),
                        .forced = forced_of(given),
+                       .subspace = subspace_of(given["subspace"].cast<std::string>()),
                        .block_rows = given["block_rows"].cast<int>(),
                        .max_order = given["max_order"].cast<int>(),
                        .blocks = given["blocks"].cast<int>(),

@@ -150,6 +150,7 @@ def modal(
     estimator: Literal["h1", "h2", "hv"] = "h1",
     window: Literal["hann", "rectangular"] = "hann",
     band: tuple[float, float] | None = None,
+    subspace: Literal["covariance", "data"] = "covariance",
     block_rows: int = 0,
     max_order: int = 0,
     blocks: int = 100,
@@ -159,7 +160,7 @@ def modal(
 ) -> IdentifiedModes:
     """Identify modes from responses to unknown excitation that is about white over the band, or to measured forces.
 
-    Covariance-driven stochastic subspace identification over all model orders; standard deviations come from the
+    Covariance-driven or data-driven stochastic subspace identification over all model orders; standard deviations come from the
     scatter of the correlations over blocks of the record, to first order. Poles that hold over the orders are modes.
 
     With `inputs` frequency responses are measured first, and the modes are identified from these, see
@@ -184,6 +185,9 @@ def modal(
         With `inputs`: ``hann``, or ``rectangular`` where responses decay within a segment.
     band : (float, float), optional
         Modes are looked for between these frequencies [Hz]: filters and resamples.
+    subspace : str
+        ``covariance``: singular vectors of the correlations of future and past; ``data``: of the future's projection
+        onto the past.
     block_rows : int
         Of the Hankel matrix; 0: so many that its lags reach over a period of the lowest mode.
     max_order : int
@@ -231,6 +235,7 @@ def modal(
         "segment": segment,
         "estimator": estimator,
         "window": window,
+        "subspace": subspace,
         "block_rows": block_rows,
         "blocks": blocks,
     }
@@ -250,6 +255,7 @@ def _options(band, max_order, stabilisation, threads):
         "estimator": "h1",
         "window": "hann",
         "band": band,
+        "subspace": "covariance",
         "block_rows": 0,
         "max_order": max_order,
         "blocks": 100,

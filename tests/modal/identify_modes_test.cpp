@@ -25,6 +25,28 @@ TEST(IdentifyModes, OfAShearFrameHaveHonestDeviations) {
   EXPECT_NEAR(static_cast<double>(tally.shapes_held) / tally.shape_intervals, 0.95, 0.02);
 }
 
+TEST(IdentifyModes, ByDataHaveHonestDeviations) {
+  const ModalOptions options{.subspace = SubspaceMethod::data};
+  const auto tally = test::tally_modes(test::shear_frame(8, 20.0, 0.01), 64.0, 19200, 1, 40, options);
+  EXPECT_EQ(tally.missed, 0);
+  EXPECT_EQ(tally.spurious, 0);
+  EXPECT_TRUE(test::is_binomial(tally.frequencies_held, tally.intervals)) << tally.frequencies_held;
+  EXPECT_TRUE(test::is_binomial(tally.dampings_held, tally.intervals)) << tally.dampings_held;
+  EXPECT_LT(tally.frequency_bias.cwiseAbs().maxCoeff(), 0.25 + 3.0 * 0.16);
+}
+
+// A record without noise: almost no combination of past outputs is free of the modes.
+TEST(IdentifyModes, ByDataOfARecordWithoutNoise) {
+  const auto structure = test::shear_frame(3, 20.0, 0.01);
+  const auto found =
+      identify_modes(test::ambient_record(structure, 64.0, 40000, 5, 0.0), {.subspace = SubspaceMethod::data});
+  ASSERT_EQ(found.modes.size(), 3u);
+  for (Index i = 0; i < 3; ++i) {
+    const auto& mode = found.modes[static_cast<std::size_t>(i)];
+    EXPECT_NEAR(mode.frequency, structure.frequencies()[i], 4.0 * mode.frequency_std());
+  }
+}
+
 TEST(IdentifyModes, TellsTwoModesApartThatAreHalfAPercentApart) {
   const auto tally = test::tally_modes(test::close_pair(10.0, 0.005, 0.002), 40.0, 8000, 1, 40);
   EXPECT_EQ(tally.missed, 0);

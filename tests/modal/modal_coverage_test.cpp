@@ -37,6 +37,11 @@ TEST(ModalCoverage, OfAShearFrame) {
   expect_honest("frame", test::tally_modes(test::shear_frame(8, 20.0, 0.01), 64.0, 38400, 1, records()));
 }
 
+TEST(ModalCoverage, OfAShearFrameByData) {
+  expect_honest("frame by data", test::tally_modes(test::shear_frame(8, 20.0, 0.01), 64.0, 38400, 1, records(),
+                                                   {.subspace = SubspaceMethod::data}));
+}
+
 TEST(ModalCoverage, OfANearlySquarePlate) {
   expect_honest("plate", test::tally_modes(test::near_square_plate(5.0, 1.02, 0.01), 128.0, 100000, 1, records()));
 }

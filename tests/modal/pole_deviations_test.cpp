@@ -35,7 +35,7 @@ TEST(OutputCorrelations, AreMeansOfProductsOverBlocks) {
 }
 
 /// Poles of a frame's record, and of the same correlations moved a little along what one block adds.
-class PoleDeviations : public ::testing::Test {
+class PoleDeviations : public ::testing::TestWithParam<SubspaceMethod> {
 protected:
   static constexpr Index rows = 8, order = 8;
   const test::AmbientStructure structure = test::shear_frame(4, 20.0, 0.01);
@@ -48,13 +48,13 @@ protected:
   [[nodiscard]] Subspace moved(std::size_t block, double step) const {
     auto other = correlations;
     other.mean += step * correlations.deviations[block];
-    return make_subspace(other, rows, 12, scale, references, 1);
+    return make_subspace(other, GetParam(), rows, 12, scale, references, 1);
   }
 };
 
 // Central differences of the poles themselves, of a step of a hundredth of a block: errors of the third order, and the
 // limit of rotations (a thousandth at this order's gap of singular values).
-TEST_F(PoleDeviations, AreDerivativesOfThePoles) {
+TEST_P(PoleDeviations, AreDerivativesOfThePoles) {
   const auto subspace = moved(0, 0.0);
   const auto poles = poles_of_order(subspace, order, options);
   ASSERT_EQ(poles.size(), 4u);
@@ -78,11 +78,42 @@ TEST_F(PoleDeviations, AreDerivativesOfThePoles) {
   }
 }
 
-TEST_F(PoleDeviations, ParticipationsAreSharesOfTheVariance) {
+TEST_P(PoleDeviations, ParticipationsAreSharesOfTheVariance) {
   const auto poles = poles_of_order(moved(0, 0.0), order, options);
   const VectorXd expected = structure.participations();
   for (std::size_t i = 0; i < poles.size(); ++i)  // deviation of a variance over 600 s: some per cent
     EXPECT_NEAR(poles[i].participation, expected[static_cast<Index>(i)], 0.15 * expected[static_cast<Index>(i)]);
+}
+
+INSTANTIATE_TEST_SUITE_P(By, PoleDeviations, ::testing::Values(SubspaceMethod::covariance, SubspaceMethod::data),
+                         [](const auto& method) {
+                           return method.param == SubspaceMethod::data ? "Data" : "Covariance";
+                         });
+
+// The singular vectors are those of the future's projection onto the past in the data matrix itself: Y_f Y_p^T (Y_p
+// Y_p^T)^-1 Y_p, whose columns at the record's ends differ a little.
+TEST(Subspace, ByDataIsTheProjectionOfTheFutureOntoThePast) {
+  constexpr Index rows = 6, order = 8, samples = 40000;
+  const auto record = test::ambient_record(test::shear_frame(4, 20.0, 0.01), 64.0, samples, 3, 0.05);
+  const VectorXd scale = record.values.rowwise().norm() / std::sqrt(double(samples));
+  const MatrixXd y = scale.cwiseInverse().asDiagonal() * record.values;
+  const Index columns = samples - 2 * rows;
+  MatrixXd future(4 * rows, columns), past(4 * rows, columns);
+  for (Index i = 0; i < rows; ++i) {
+    future.middleRows(4 * i, 4) = y.middleCols(rows + i, columns);
+    past.middleRows(4 * i, 4) = y.middleCols(rows - 1 - i, columns);
+  }
+  const MatrixXd cross = future * past.transpose();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> projected(
+      cross * (past * past.transpose()).llt().solve(cross.transpose()) / double(columns));
+  const auto correlations = output_correlations(record.values, {0, 1, 2, 3}, 2 * rows - 1, 40, 1);
+  const auto found = make_subspace(correlations, SubspaceMethod::data, rows, order, scale, {0, 1, 2, 3}, 1);
+  for (Index i = 0; i < order; ++i) {
+    EXPECT_NEAR(found.values[i], std::sqrt(projected.eigenvalues().reverse()[i]), 2e-3 * found.values[0]);
+  }
+  const MatrixXd space = projected.eigenvectors().rightCols(order);
+  const MatrixXd outside = found.left.leftCols(order) - space * (space.transpose() * found.left.leftCols(order));
+  EXPECT_LT(outside.norm(), 0.02);
 }
 
 // Means of blocks of a first-order autoregression: blocks that are as long as two decays.

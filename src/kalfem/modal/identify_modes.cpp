@@ -95,10 +95,10 @@ ModalResult identify_modes(const Record& given, const ModalOptions& options) {
   const auto correlations =
       output_correlations(record.values, setup.references, 2 * setup.block_rows - 1, setup.blocks, threads);
   tell("singular values", 0.4);
-  const Subspace subspace =
-      make_subspace(correlations, setup.block_rows, setup.max_order, setup.scale, setup.references, threads);
+  const Subspace subspace = make_subspace(correlations, options.subspace, setup.block_rows, setup.max_order,
+                                          setup.scale, setup.references, threads);
   const PoleOptions pole_options{.sample_rate = record.sample_rate, .block_length = correlations.block_length};
-  std::vector<std::vector<StatePole>> by_order(static_cast<std::size_t>(setup.max_order / 2));
+  std::vector<std::vector<StatePole>> by_order(static_cast<std::size_t>(subspace.max_order() / 2));
   for (std::size_t i = by_order.size(); i-- > 0;) {
     stop_if_asked();
     by_order[i] = poles_of_order(subspace, 2 * static_cast<Index>(i) + 2, pole_options);
@@ -115,7 +115,7 @@ ModalResult identify_modes(const Record& given, const ModalOptions& options) {
                      .sample_rate = record.sample_rate,
                      .samples = record.samples(),
                      .block_rows = static_cast<int>(setup.block_rows),
-                     .max_order = static_cast<int>(setup.max_order),
+                     .max_order = static_cast<int>(subspace.max_order()),
                      .blocks = static_cast<int>(setup.blocks),
                      .modes = {},
                      .diagram = {},

@@ -22,6 +22,11 @@ struct StabilisationOptions {
   double least_participation = 0;  ///< of the channels' variance that a mode carries
 };
 
+/// Of what the singular vectors are taken: of the correlations of future and past outputs, or of the projection of the
+/// future onto the past (the unweighted principal components of data-driven identification), which counts each
+/// combination of past outputs by what it tells and not by how large it is.
+enum class SubspaceMethod { covariance, data };
+
 /// How frequency responses are measured from the forces of a record.
 struct ForcedRecordOptions {
   double segment = 0.0;  ///< length of a segment [s]; 0: such that sixteen, overlapping by half, cover the record
@@ -38,6 +43,7 @@ struct ModalOptions {
   std::vector<std::string> inputs = {};
   ForcedRecordOptions forced = {};
   std::optional<FrequencyBand> band = {};  ///< wanted modes [Hz]: filters and resamples the record
+  SubspaceMethod subspace = SubspaceMethod::covariance;
   int block_rows = 0;  ///< of the Hankel matrix: lags up to 2 block_rows - 1; 0: a period of the lowest
   int max_order = 0;   ///< largest order of the state-space models; 0: four a channel, from 30 to 100
   int blocks = 100;    ///< parts of the record whose scatter gives the covariance of the correlations

@@ -122,9 +122,7 @@ std::vector<StatePole> poles_of_order(const Subspace& subspace, Index order, con
   const auto chosen = vibrating(model, options);
   if (chosen.empty()) return {};
   const MatrixXcd changes = eigenvalue_deviations(subspace, model, chosen);
-  const MatrixXcd G = (subspace.values.head(order).asDiagonal() *
-                       subspace.right.topLeftCorner(subspace.references(), order).transpose())
-                          .cast<Complex>();
+  const MatrixXcd G = subspace.first_lags.topRows(order).cast<Complex>();
   std::vector<StatePole> poles;
   for (std::size_t c = 0; c < chosen.size(); ++c) {
     const Index i = chosen[c];
