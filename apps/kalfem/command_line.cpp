@@ -373,6 +373,11 @@ void add_modal(CLI::App& app, Arguments& arguments) {
       ->type_name("N");
   modal->add_option("--blocks", options.blocks, "parts of the record that the deviations come from; default: 100")
       ->type_name("N");
+  modal->add_flag("--track", asked.track, "the records are of one structure at several times: follow its modes");
+  modal
+      ->add_option("--covariates", asked.covariates,
+                   "with --track: table of temperatures and the like, one row a record, which frequencies follow")
+      ->type_name("FILE");
   modal->add_option("--sample-rate", asked.sample_rate, "in Hz, where the file does not state it")->type_name("HZ");
   modal->add_option("--out", asked.folder, "write tables, JSON and a universal file into this folder")
       ->type_name("FOLDER");

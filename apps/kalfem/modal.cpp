@@ -11,10 +11,12 @@
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/formats/frequency_response_file.hpp"
 #include "kalfem/formats/measured_file_reader.hpp"
+#include "kalfem/formats/tables/csv.hpp"
 #include "kalfem/modal/identify_modes.hpp"
 #include "kalfem/modal/merge_setups.hpp"
 #include "kalfem/report/modal_report.hpp"
 #include "kalfem/report/output_record.hpp"
+#include "kalfem/report/tracks_report.hpp"
 #include "verbs.hpp"
 
 namespace kalfem::command {
@@ -78,12 +80,45 @@ Identified merged(const ModalArguments& arguments) {
   return all;
 }
 
+TrackedRecords tracked(const ModalArguments& arguments) {
+  TrackedRecords all;
+  if (!arguments.covariates.empty()) {
+    const CsvTable table = read_csv_table(arguments.covariates);
+    all.values = table.values;
+    for (const auto& column : table.columns)
+      all.covariates.push_back(column.unit.empty() ? column.name : fmt::format("{} [{}]", column.name, column.unit));
+  }
+  for (const auto& file : arguments.files) {
+    all.names.push_back(std::filesystem::path(file).filename().string());
+    all.results.push_back(identify(file, arguments).result);
+  }
+  all.tracks = track_modes(all.results, all.values);
+  return all;
+}
+
+ExitCode track(const ModalArguments& arguments) {
+  const std::filesystem::path folder = arguments.folder;
+  if (!folder.empty()) require_writable(folder / "tracks.json");
+  const TrackedRecords all = tracked(arguments);
+  if (!folder.empty()) write_tracks(folder, all);
+  if (!arguments.page.empty()) write_file_atomically(arguments.page, render_html(tracks_page(all)));
+  if (arguments.as_json)
+    print("{}\n", tracks_json(all).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  else
+    print("{}{}", tracks_text(all), folder.empty() ? "" : fmt::format("\nTables in {}\n", folder.string()));
+  return all.tracks.empty() ? not_usable : done;
+}
+
 }  // namespace
 
 ExitCode modal(const ModalArguments& arguments) {
+  if (!arguments.covariates.empty() && !arguments.track)
+    throw InvalidInput("--covariates: frequencies follow them over several records", "only --track takes them",
+                       "give --track and the records");
+  if (!arguments.page.empty()) require_writable(arguments.page);
+  if (arguments.track) return track(arguments);
   const std::filesystem::path folder = arguments.folder;
   if (!folder.empty()) require_writable(folder / "modes.json");
-  if (!arguments.page.empty()) require_writable(arguments.page);
   const auto [result, places] =
       arguments.files.size() == 1 ? identify(arguments.files.front(), arguments) : merged(arguments);
   std::string source;

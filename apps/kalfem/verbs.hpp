@@ -132,6 +132,8 @@ struct ModalArguments {
   std::string folder;                      ///< of the results; empty: they are not written
   std::string page;                        ///< HTML file to write; empty: none
   bool as_json = false;
+  bool track = false;      ///< several records are of one structure at several times
+  std::string covariates;  ///< with `track`: table of numbers that frequencies follow, one row a record; empty: none
 };
 /// modal: the modes of a record alone, of its responses to forces, or of a file of frequency responses, with their
 /// standard deviations. Not usable where there is none.

@@ -2,6 +2,7 @@
 #include "calls.hpp"
 #include "kalfem/modal/identify_modes.hpp"
 #include "kalfem/modal/merge_setups.hpp"
+#include "kalfem/modal/mode_tracks.hpp"
 #include "records.hpp"
 #include "results.hpp"
 
@@ -158,6 +159,35 @@ py::dict merged(const py::list& given, const std::vector<std::string>& reference
   return in_python(merge_setups(setups, {.references = references, .frequency = frequency, .mac = mac}));
 }
 
+py::tuple told_of(const PopulationEstimate& told) {
+  return py::make_tuple(told.median, py::make_tuple(told.interval[0], told.interval[1]));
+}
+
+py::object trend_of(const TrackTrend& trend) {
+  if (!trend) return py::none();
+  py::list slopes;
+  for (const auto& slope : trend->slopes) slopes.append(told_of(slope));
+  py::dict found;
+  found["mean"] = told_of(trend->mean);
+  found["spread"] = told_of(trend->spread);
+  found["slopes"] = slopes;
+  return found;
+}
+
+py::list tracked(const py::list& given, const Eigen::MatrixXd& covariates, double frequency, double mac) {
+  std::vector<ModalResult> records;
+  for (const auto& item : given) records.push_back(setup_of(item.cast<py::dict>()).result);
+  py::list tracks;
+  for (const auto& track : track_modes(records, covariates, {.frequency = frequency, .mac = mac})) {
+    py::dict entry;
+    entry["modes"] = track.modes;
+    entry["frequency"] = trend_of(track.frequency);
+    entry["damping"] = trend_of(track.damping);
+    tracks.append(entry);
+  }
+  return tracks;
+}
+
 py::dict modal(const py::object& t, const py::object& y, const std::vector<std::string>& names,
                const std::vector<std::string>& units, const py::dict& given, const py::object& progress) {
   ModalOptions options = options_of(given);
@@ -199,6 +229,8 @@ void bind_modal(py::module_& module) {
              "Modes of frequency responses: see kalfem.modal_of_responses.");
   module.def("merge_setups", &merged, py::arg("setups"), py::arg("references"), py::arg("frequency"), py::arg("mac"),
              "Modes of several set-ups as one: see kalfem.merge_setups.");
+  module.def("track_modes", &tracked, py::arg("records"), py::arg("covariates"), py::arg("frequency"), py::arg("mac"),
+             "Modes from record to record: see kalfem.track_modes.");
 }
 
 }  // namespace kalfem::python

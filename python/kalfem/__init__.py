@@ -49,7 +49,7 @@ _NAMES = {
     "posterior": ("Posterior",),
     "analysis": ("estimate", "predict", "simulate", "update"),
     "comparing": ("MeasuredModes", "MeasuredResponses", "MeasuredDeflections", "MeasuredRecord"),
-    "modal_identification": ("modal", "modal_of_responses", "merge_setups", "IdentifiedMode", "IdentifiedModes"),
+    "modal_identification": ("modal", "modal_of_responses", "merge_setups", "track_modes", "IdentifiedMode", "IdentifiedModes", "ModeTrack"),
     "mode_sets": ("read_modes", "ModeSet"),
     "matching": ("match_points", "PointMatch", "MatchedPoint", "PlaceFit"),
     "correlating": ("correlate", "Correlation", "CorrelatedMode", "SetupMistake"),
@@ -155,9 +155,11 @@ if TYPE_CHECKING:
     from .modal_identification import (
         IdentifiedMode as IdentifiedMode,
         IdentifiedModes as IdentifiedModes,
+        ModeTrack as ModeTrack,
         merge_setups as merge_setups,
         modal as modal,
         modal_of_responses as modal_of_responses,
+        track_modes as track_modes,
     )
     from .mode_sets import ModeSet as ModeSet, read_modes as read_modes
     from .correlating import (

@@ -365,6 +365,9 @@ def modal_of_responses(
     options: dict[str, Any],
     progress: _Progress = None,
 ) -> dict[str, Any]: ...
+def track_modes(
+    records: list[dict[str, Any]], covariates: ArrayLike, frequency: float, mac: float
+) -> list[dict[str, Any]]: ...
 def merge_setups(
     setups: list[dict[str, Any]], references: list[str], frequency: float, mac: float
 ) -> dict[str, Any]: ...

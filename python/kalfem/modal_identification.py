@@ -384,10 +384,18 @@ def merge_setups(
     >>> whole.channels, bool(np.allclose(whole[0].shape.real, [1, -0.5, 0.3], atol=0.02))
     (['a', 'b', 'c'], True)
     """
-    named = setups if isinstance(setups, Mapping) else {str(i + 1): each for i, each in enumerate(setups)}
+    given = _named(setups)
+    merged = core.merge_setups(given, list(references), frequency, mac)
+    merged["modes"] = [IdentifiedMode(**each) for each in merged["modes"]]
+    return IdentifiedModes(**merged)
+
+
+def _named(records):
+    """What the compiled part takes of several identifications."""
+    named = records if isinstance(records, Mapping) else {str(i + 1): each for i, each in enumerate(records)}
     fields = ("frequency", "damping", "covariance", "degrees_of_freedom", "shape", "shape_covariance")
     counts = ("participation", "order", "orders")
-    given = [
+    return [
         {
             "name": name,
             "channels": list(found.channels),
@@ -396,6 +404,98 @@ def merge_setups(
         }
         for name, found in named.items()
     ]
-    merged = core.merge_setups(given, list(references), frequency, mac)
-    merged["modes"] = [IdentifiedMode(**each) for each in merged["modes"]]
-    return IdentifiedModes(**merged)
+
+
+@dataclass(frozen=True)
+class Told:
+    """A number that several records tell: its median and 95 % interval."""
+
+    median: float
+    interval: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Trend:
+    """How a number follows covariates over records, and scatters beside."""
+
+    mean: Told  #: at the mean of the covariates
+    slopes: dict[str, Told]  #: per unit of each covariate
+    spread: Told  #: standard deviation of the true values about the mean that follows
+
+
+@dataclass(frozen=True)
+class ModeTrack:
+    """One mode through several records."""
+
+    modes: list[IdentifiedMode | None]  #: one a record; None where it was not found
+    frequency: Trend | None  #: [Hz]; None where too few records have the mode
+    damping: Trend | None  #: ratio to critical
+
+
+def track_modes(
+    records: Sequence[IdentifiedModes],
+    covariates: Mapping[str, ArrayLike] | None = None,
+    *,
+    frequency: float = 0.1,
+    mac: float = 0.8,
+) -> list[ModeTrack]:
+    """Follow the modes of one structure from record to record, and over temperatures and the like.
+
+    Two modes are the same where their shapes agree at the channels that all records have and their frequencies lie
+    near. Means, slopes and scatter rest on the deviations of every record: what these explain is not in the scatter.
+
+    Parameters
+    ----------
+    records : list of IdentifiedModes
+        Of :func:`modal`, in the order of time.
+    covariates : dict of str to array, optional
+        Numbers that frequencies and dampings follow linearly, each one a record.
+    frequency : float
+        Largest relative change of a frequency from one record to the next.
+    mac : float
+        Least MAC of the two shapes.
+
+    Returns
+    -------
+    list of ModeTrack
+        By frequency.
+
+    Raises
+    ------
+    InvalidInput
+        With fewer than two records, without a common channel, and with covariates that are not one a record.
+
+    Examples
+    --------
+    >>> import numpy as np, kalfem as kf
+    >>> def record(f, seed):
+    ...     rng, z, mu = np.random.default_rng(seed), 0j, 2 * np.pi * f * (-0.01 + 1j)
+    ...     y = np.array([(z := np.exp(mu / 50) * z + rng.normal()).real for _ in range(10000)])
+    ...     return {name: share * y + rng.normal(size=y.size) for name, share in {"a": 1.0, "b": -0.5}.items()}
+    >>> T = np.array([0.0, 5.0, 10.0, 15.0, 20.0])
+    >>> found = [kf.modal(record(5 - 0.02 * t, int(t)), t=np.arange(10000) / 50, progress=False) for t in T]
+    >>> track = kf.track_modes(found, {"temperature": T})[0]
+    >>> low, high = track.frequency.slopes["temperature"].interval
+    >>> low < -0.02 < high < 0
+    True
+    """
+    names = list(covariates or {})
+    values = [np.asarray(covariates[name], float) for name in names]
+    table = np.column_stack(values) if values else np.zeros((len(records), 0))
+
+    def told(pair):
+        return Told(pair[0], tuple(pair[1]))
+
+    def trend(found):
+        if found is None:
+            return None
+        return Trend(told(found["mean"]), dict(zip(names, map(told, found["slopes"]))), told(found["spread"]))
+
+    return [
+        ModeTrack(
+            [None if at is None else records[i][at] for i, at in enumerate(track["modes"])],
+            trend(track["frequency"]),
+            trend(track["damping"]),
+        )
+        for track in core.track_modes(_named(records), table, frequency, mac)
+    ]

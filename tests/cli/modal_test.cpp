@@ -111,6 +111,43 @@ record: {file: ambient.csv}
   EXPECT_GE(json["modes"].size(), 3u);
 }
 
+// Six records of a frame that is .1 % softer per degree, and scatters by .3 % beside.
+TEST_F(ModalCommand, FollowsModesOverTemperature) {
+  std::string files, table = "temperature [degC]\n";
+  const double off[] = {0.003, -0.002, 0.004, -0.004, 0.001, -0.002};
+  for (int i = 0; i < 6; ++i) {
+    const double temperature = 4.0 * i;
+    AmbientStructure then = structure;
+    then.omega *= 1.0 - 0.001 * temperature + off[i];
+    const auto name = (folder / ("day" + std::to_string(i) + ".csv")).string();
+    write_csv(name, ambient_record(then, 64.0, 12000, 10 + static_cast<std::uint64_t>(i)));
+    files += name + " ";
+    table += std::to_string(temperature) + "\n";
+  }
+  std::ofstream(folder / "weather.csv") << table;
+  const auto out = folder / "tracked";
+  const auto outcome = run_command("modal " + files + "--track --covariates " + (folder / "weather.csv").string() +
+                                       " --out " + out.string() + " --page " + (out / "page.html").string(),
+                                   folder);
+  ASSERT_EQ(outcome.code, 0) << outcome.errors;
+  EXPECT_NE(outcome.output.find("% of f per temperature [degC]"), std::string::npos) << outcome.output;
+  const auto json = nlohmann::json::parse(read(out / "tracks.json"));
+  ASSERT_EQ(json["tracks"].size(), 4u) << outcome.output;
+  for (std::size_t m = 0; m < 4; ++m) {
+    const auto& found = json["tracks"][m]["frequency_hz"];
+    const double f = structure.frequencies()[static_cast<Eigen::Index>(m)];
+    const auto holds = [](const nlohmann::json& told, double x) {
+      return told["interval"][0] <= x && x <= told["interval"][1];
+    };
+    EXPECT_TRUE(holds(found["slopes"][0], -0.001 * f)) << m << found;
+    EXPECT_TRUE(holds(found["spread"], 0.003 * f)) << m << found;
+    EXPECT_NEAR(found["mean"]["median"], 0.99 * f, 0.01 * f);
+    EXPECT_EQ(json["tracks"][m]["records"].size(), 6u);
+  }
+  EXPECT_EQ(read_csv_table(out / "tracks.csv").values.cols(), 2 + 4 * 4);
+  EXPECT_NE(read(out / "page.html").find("Frequencies over the records"), std::string::npos);
+}
+
 TEST_F(ModalCommand, RefusesInOneSentenceEach) {
   const auto refuses = [&](const std::string& arguments, const std::string& words) {
     const auto outcome = run_command("modal " + arguments, folder);
@@ -124,6 +161,8 @@ TEST_F(ModalCommand, RefusesInOneSentenceEach) {
   refuses(file + " --band 3 50", "band: 3 to 50 Hz");
   refuses(file + " --blocks 1", "blocks: 1");
   refuses(file + " --block-rows 2000", "the record has 20000 samples");
+  refuses(file + " --covariates " + file, "only --track takes them");
+  refuses(file + " --track", "one record given");
   refuses((folder / "none.csv").string(), "there is no such file");
 }
 

@@ -91,6 +91,55 @@ TEST(Population, IntervalsHoldWhatTheySay) {
   }
 }
 
+// Frequencies that fall with temperature, about which they scatter: seven to twenty records.
+TEST(Population, ATrendHoldsItsSlope) {
+  const int runs = 600;
+  int slopes = 0, means = 0, spreads = 0;
+  for (int seed = 0; seed < runs; ++seed) {
+    RandomStream stream(static_cast<std::uint64_t>(seed), "trend");
+    const auto count = 7 + static_cast<Eigen::Index>(14.0 * stream.uniform());
+    const double tau = 0.3 * std::pow(10.0, stream.uniform()), slope = -0.2;
+    const Eigen::MatrixXd temperature =
+        Eigen::MatrixXd::NullaryExpr(count, 1, [&] { return 10.0 + 8.0 * stream.normal(); });
+    std::vector<PopulationMember> members;
+    for (const double T : temperature.reshaped()) {
+      const double s = std::pow(3.0, stream.uniform() - 0.5);
+      members.push_back({50.0 + slope * T + tau * stream.normal() + s * stream.normal(), s});
+    }
+    const auto found = population_trend(members, temperature);
+    const auto holds = [](const PopulationEstimate& told, double x) {
+      return told.interval[0] <= x && x <= told.interval[1];
+    };
+    slopes += holds(found.slopes[0], slope);
+    means += holds(found.mean, 50.0 + slope * temperature.mean());
+    spreads += holds(found.spread, tau);
+  }
+  std::printf("of %d trends hold: slope %d, mean %d, spread %d\n", runs, slopes, means, spreads);
+  for (const int held : {slopes, means, spreads}) {
+    EXPECT_GE(held, 556);
+    EXPECT_LE(held, 590);  // a spread below the errors is held more often
+  }
+}
+
+TEST(Population, ATrendOfExactEstimatesIsThatOfRegression) {
+  const Eigen::VectorXd x{{1.0, 2.0, 4.0, 7.0, 8.0}}, t{{3.1, 3.9, 6.2, 8.8, 10.1}};
+  const Eigen::VectorXd about = x.array() - x.mean();
+  const double slope = about.dot(t) / about.squaredNorm();
+  const Eigen::VectorXd rest = t.array() - t.mean() - slope * about.array();
+  const double error = std::sqrt(rest.squaredNorm() / 3.0 / about.squaredNorm()) * student_t_quantile(0.975, 3.0);
+  const auto found = population_trend(members_at(t, 1e-7), x);
+  EXPECT_NEAR(found.slopes[0].median, slope, 1e-6);
+  EXPECT_NEAR(found.slopes[0].interval[1], slope + error, 2e-3 * error);
+  EXPECT_NEAR(found.mean.median, t.mean(), 1e-6);
+}
+
+TEST(Population, RefusesATrendThatCannotBeTold) {
+  const Eigen::VectorXd same = Eigen::VectorXd::Ones(4), t{{1.0, 2.0, 3.0, 4.0}};
+  EXPECT_THROW(population_trend(members_at(t, 0.1), same), InvalidInput);
+  EXPECT_THROW(population_trend(members_at(t, 0.1), Eigen::MatrixXd::Random(3, 1)), InvalidInput);
+  EXPECT_THROW(population_trend(members_at(t, 0.1), Eigen::MatrixXd::Random(4, 3)), InvalidInput);
+}
+
 TEST(Population, RefusesWhatIsNone) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(population_of({{1.0, 0.1}}), InvalidInput);

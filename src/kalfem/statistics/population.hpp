@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Dense>
 #include <array>
 #include <vector>
 
@@ -37,5 +38,18 @@ struct NormalPopulation {
 /// Throws InvalidInput for fewer than two members, estimates that are not finite, deviations that are not positive,
 /// and a probability outside (0, 1).
 NormalPopulation population_of(const std::vector<PopulationMember>& members, double probability = 0.95);
+
+/// A population whose mean follows covariates, such as temperatures.
+struct PopulationTrend {
+  PopulationEstimate mean;                 ///< at the members' mean covariates
+  std::vector<PopulationEstimate> slopes;  ///< of the mean, per unit of each covariate
+  PopulationEstimate spread;               ///< of the true numbers about the mean that follows
+};
+
+/// The same with theta_j ~ N(mu + b^T (x_j - mean of x), tau^2), x_j row j of `covariates`, members x covariates; the
+/// prior of b is flat too. Throws InvalidInput as above, for other than one row a member, values that are not finite,
+/// fewer than two members more than covariates, and covariates of which one follows from the others.
+PopulationTrend population_trend(const std::vector<PopulationMember>& members, const Eigen::MatrixXd& covariates,
+                                 double probability = 0.95);
 
 }  // namespace kalfem
