@@ -133,14 +133,18 @@ ModalResult identify_modes(const Record& given, const ModalOptions& options) {
       result.remarks.push_back(fmt::format(
           "The record holds few decays of the mode at {:.4g} Hz: its standard deviations are uncertain themselves.",
           mode.frequency));
+  for (const double frequency : steady_harmonics(by_order, tracks, options.stabilisation))
+    result.remarks.push_back(fmt::format(
+        "A steady vibration at {:.5g} Hz has no damping: it is a machine's harmonic, and left out.", frequency));
   const auto peaks = spectral_modes(record, setup.scale, result.modes);
   for (std::size_t i = 0; i < peaks.size(); ++i) result.modes[i].spectral = peaks[i];
   for (const auto& poles : by_order)
     for (const auto& pole : poles)
-      result.diagram.push_back({static_cast<int>(pole.order), pole.frequency, pole.damping, pole.frequency_std,
-                                std::ranges::any_of(tracks, [&](const PoleTrack& track) {
-                                  return std::ranges::find(track.poles, &pole) != track.poles.end();
-                                })});
+      if (pole.damping > 0.0)
+        result.diagram.push_back({static_cast<int>(pole.order), pole.frequency, pole.damping, pole.frequency_std,
+                                  std::ranges::any_of(tracks, [&](const PoleTrack& track) {
+                                    return std::ranges::find(track.poles, &pole) != track.poles.end();
+                                  })});
   return result;
 }
 

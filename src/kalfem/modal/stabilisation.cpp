@@ -98,6 +98,24 @@ const StatePole& typical_pole(const std::vector<const StatePole*>& poles) {
   return *weighted_quantile(near.empty() ? poles : near, 0.6, weight);
 }
 
+/// Whether a pole may be of a sine, whose damping is none but for rounding and the record's length.
+bool is_undamped(const StatePole& pole) {
+  constexpr double none = 1e-3, deviations = 3.0;
+  return std::abs(pole.damping) < none && std::abs(pole.damping) < deviations * pole.damping_std;
+}
+
+/// The undamped pole nearest to a frequency, of those within 2e-4 of it.
+const StatePole* undamped_at(double frequency, const std::vector<StatePole>& poles) {
+  constexpr double same = 2e-4;
+  const StatePole* found = nullptr;
+  for (const auto& pole : poles) {
+    const double apart = std::abs(pole.frequency - frequency);
+    if (is_undamped(pole) && apart < same * frequency && (!found || apart < std::abs(found->frequency - frequency)))
+      found = &pole;
+  }
+  return found;
+}
+
 }  // namespace
 
 const StatePole& PoleTrack::representative(Eigen::Index least_order) const {
@@ -136,6 +154,33 @@ std::vector<PoleTrack> stable_tracks(const std::vector<std::vector<StatePole>>& 
       stable.push_back(std::move(each.track));
   std::ranges::sort(stable, {}, [](const PoleTrack& each) { return each.representative().frequency; });
   return stable;
+}
+
+// From the largest order down: a pole of noise that happens to be undamped in one model is not so in the next.
+std::vector<double> steady_harmonics(const std::vector<std::vector<StatePole>>& by_order,
+                                     const std::vector<PoleTrack>& modes, const StabilisationOptions& limits) {
+  constexpr double beside = 5e-3, least_participation = 1e-4;
+  constexpr std::size_t least_orders = 6;
+  std::vector<double> found;
+  if (by_order.empty()) return found;
+  for (const auto& pole : by_order.back()) {
+    const auto near = [&](double frequency) { return std::abs(frequency - pole.frequency) < beside * pole.frequency; };
+    if (!is_undamped(pole) || pole.participation < least_participation) continue;
+    if (std::ranges::any_of(modes, [&](const PoleTrack& mode) { return near(mode.representative().frequency); }) ||
+        std::ranges::any_of(found, near))
+      continue;
+    std::size_t first = by_order.size(), held = 0;
+    for (std::size_t i = by_order.size(); i-- > 0;)
+      if (undamped_at(pole.frequency, by_order[i])) {
+        first = i;
+        ++held;
+      }
+    const auto possible = static_cast<double>(by_order.size() - first);
+    if (held >= least_orders && static_cast<double>(held) >= limits.least_share * possible)
+      found.push_back(pole.frequency);
+  }
+  std::ranges::sort(found);
+  return found;
 }
 
 }  // namespace kalfem

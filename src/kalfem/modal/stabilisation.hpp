@@ -29,4 +29,9 @@ Eigen::Index sufficient_order(const std::vector<PoleTrack>& tracks);
 std::vector<PoleTrack> stable_tracks(const std::vector<std::vector<StatePole>>& by_order,
                                      const StabilisationOptions& limits);
 
+/// Frequencies [Hz] of poles that hold over the orders with no damping that their deviations tell from none: steady
+/// harmonics of machines. Those beside a mode, within half a per cent, are taken for that mode.
+std::vector<double> steady_harmonics(const std::vector<std::vector<StatePole>>& by_order,
+                                     const std::vector<PoleTrack>& modes, const StabilisationOptions& limits);
+
 }  // namespace kalfem

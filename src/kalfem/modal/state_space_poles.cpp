@@ -63,12 +63,14 @@ Index largest(const VectorXcd& shape) {
   return row;
 }
 
-/// Those of the eigenvalues that are modes, in the upper half of the plane.
+/// Those of the eigenvalues that are modes or steady vibrations, in the upper half of the plane. The latter lie on the
+/// unit circle but for the record's length.
 std::vector<Index> vibrating(const StateModel& model, const PoleOptions& options) {
+  constexpr double beyond = 1e-3;
   std::vector<Index> chosen;
   for (Index i = 0; i < model.lambda.size(); ++i) {
     const Complex lambda = model.lambda[i];
-    if (lambda.imag() <= 0.0 || std::abs(lambda) >= 1.0) continue;
+    if (lambda.imag() <= 0.0 || std::abs(lambda) >= 1.0 + beyond) continue;
     const Complex mu = std::log(lambda);
     if (-mu.real() <= options.largest_damping * std::abs(mu)) chosen.push_back(i);
   }
@@ -112,7 +114,7 @@ MatrixXcd eigenvalue_deviations(const Subspace& subspace, const StateModel& mode
 }  // namespace
 
 Index memory_in_blocks(const StatePole& pole, const PoleOptions& options, Index blocks) {
-  const double decay = options.sample_rate / (-2.0 * pole.value.real());  // [samples]
+  const double decay = options.sample_rate / (2.0 * std::abs(pole.value.real()));  // [samples]
   const double wanted = std::ceil(2.5 * decay / static_cast<double>(options.block_length));
   return std::clamp<Index>(static_cast<Index>(std::min(wanted, 1e6)), 1, std::max<Index>(1, blocks / 10));
 }

@@ -26,7 +26,8 @@ struct StatePole {
 struct PoleOptions {
   double sample_rate = 1.0;       ///< [Hz]
   Eigen::Index block_length = 1;  ///< samples
-  double largest_damping = 1.0;   ///< poles beyond, and those with negative damping, are left out
+  double largest_damping = 1.0;   ///< poles beyond are left out, and those that grow by more than a
+                                  ///< thousandth a sample: steady vibrations lie on either side of no damping
 };
 
 /// Poles of the model of one order: with O = U_1, the first `order` left singular vectors,
