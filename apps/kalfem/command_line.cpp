@@ -369,6 +369,12 @@ void add_modal(CLI::App& app, Arguments& arguments) {
       ->add_option("--max-order", options.max_order,
                    "largest order of the models; default: four a channel, 30 to 100; of frequency responses 120")
       ->type_name("N");
+  modal
+      ->add_option("--pole", asked.poles,
+                   "take this pole of the stabilisation diagram for a mode, by its frequency and order; several times, "
+                   "in place of those that hold over the orders")
+      ->type_name("HZ[:ORDER]")
+      ->allow_extra_args(false);
   modal->add_option("--block-rows", options.block_rows, "of the Hankel matrix; default: a period of the lowest mode")
       ->type_name("N");
   modal->add_option("--blocks", options.blocks, "parts of the record that the deviations come from; default: 100")

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -49,8 +50,25 @@ Identified identify_from_responses(const std::string& file, const MeasuredFile& 
   return found;
 }
 
+/// "3.7" or "3.7:24".
+ChosenPole chosen_pole(const std::string& text) {
+  ChosenPole pole;
+  const char* const end = text.data() + text.size();
+  const auto frequency = std::from_chars(text.data(), end, pole.frequency);
+  bool is_pole = frequency.ec == std::errc() && pole.frequency > 0.0;
+  if (is_pole && frequency.ptr != end) {
+    const auto order = std::from_chars(frequency.ptr + 1, end, pole.order);
+    is_pole = *frequency.ptr == ':' && order.ec == std::errc() && order.ptr == end && pole.order > 0;
+  }
+  if (!is_pole)
+    throw InvalidInput("--pole '" + text + "'", "a pole is named by its frequency in Hz, and its order",
+                       "write HZ or HZ:ORDER, such as 3.7:24");
+  return pole;
+}
+
 Identified identify(const std::string& file, const ModalArguments& arguments) {
   ModalOptions options = arguments.options;
+  for (const auto& pole : arguments.poles) options.poles.push_back(chosen_pole(pole));
   if (arguments.band.size() == 2) options.band = FrequencyBand{arguments.band[0], arguments.band[1]};
   if (const auto measured = responses_in(file, arguments)) return identify_from_responses(file, *measured, options);
   const auto outputs = read_outputs(file, options.channels, arguments.sample_rate, options.inputs);

@@ -129,6 +129,7 @@ struct ModalArguments {
   ModalOptions options;
   std::optional<double> sample_rate = {};  ///< [Hz], where the file does not state it
   std::vector<double> band = {};           ///< [Hz]: none, or two
+  std::vector<std::string> poles = {};     ///< HZ or HZ:ORDER
   std::string folder;                      ///< of the results; empty: they are not written
   std::string page;                        ///< HTML file to write; empty: none
   bool as_json = false;

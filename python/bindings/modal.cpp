@@ -69,6 +69,8 @@ ModalOptions options_of(const py::dict& given) {
                        .blocks = given["blocks"].cast<int>(),
                        .stabilisation = stabilisation_of(given["stabilisation"].cast<py::dict>()),
                        .threads = given["threads"].cast<int>()};
+  for (const auto& [frequency, order] : given["poles"].cast<std::vector<std::pair<double, int>>>())
+    options.poles.push_back({frequency, order});
   if (!given["band"].is_none()) {
     const auto [from, to] = given["band"].cast<std::pair<double, double>>();
     options.band = FrequencyBand{from, to};

@@ -155,6 +155,7 @@ def modal(
     max_order: int = 0,
     blocks: int = 100,
     stabilisation: Mapping[str, float] | None = None,
+    poles: Sequence[float | tuple[float, int]] = (),
     threads: int = 0,
     progress: Progress = True,
 ) -> IdentifiedModes:
@@ -197,6 +198,9 @@ def modal(
     stabilisation : dict of str to float, optional
         Limits by name: ``frequency``, ``damping``, ``mac``, ``largest_damping``, ``frequency_std``, ``damping_std``,
         ``least_share``, ``least_participation``; see `docs/modal.md`.
+    poles : list of float or (float, int)
+        Poles of the stabilisation diagram that are the modes, by frequency [Hz], or frequency and order; default: those
+        that hold over the orders.
 
     Returns
     -------
@@ -236,6 +240,7 @@ def modal(
         "estimator": estimator,
         "window": window,
         "subspace": subspace,
+        "poles": [pole if isinstance(pole, tuple) else (float(pole), 0) for pole in poles],
         "block_rows": block_rows,
         "blocks": blocks,
     }
@@ -256,6 +261,7 @@ def _options(band, max_order, stabilisation, threads):
         "window": "hann",
         "band": band,
         "subspace": "covariance",
+        "poles": [],
         "block_rows": 0,
         "max_order": max_order,
         "blocks": 100,

@@ -111,6 +111,15 @@ record: {file: ambient.csv}
   EXPECT_GE(json["modes"].size(), 3u);
 }
 
+TEST_F(ModalCommand, TakesThePolesThatAPersonChose) {
+  const auto outcome = run_command("modal --json --pole 3.7:20 --pole 20 " + file, folder);
+  ASSERT_EQ(outcome.code, 0) << outcome.errors;
+  const auto modes = nlohmann::json::parse(outcome.output)["modes"];
+  ASSERT_EQ(modes.size(), 2u);
+  EXPECT_EQ(modes[0]["order"], 20);
+  EXPECT_NEAR(modes[1]["frequency_hz"].get<double>(), 20.0, 0.1);
+}
+
 // Six records of a frame that is .1 % softer per degree, and scatters by .3 % beside.
 TEST_F(ModalCommand, FollowsModesOverTemperature) {
   std::string files, table = "temperature [degC]\n";
@@ -163,6 +172,8 @@ TEST_F(ModalCommand, RefusesInOneSentenceEach) {
   refuses(file + " --block-rows 2000", "the record has 20000 samples");
   refuses(file + " --covariates " + file, "only --track takes them");
   refuses(file + " --track", "one record given");
+  refuses(file + " --pole 3.7@24", "write HZ or HZ:ORDER");
+  refuses(file + " --pole 300", "there is no pole at 300 Hz");
   refuses((folder / "none.csv").string(), "there is no such file");
 }
 

@@ -47,6 +47,20 @@ TEST(IdentifyModes, NamesNoHarmonicWhereThereIsNone) {
   EXPECT_LE(named, 1);
 }
 
+TEST(IdentifyModes, TakesThePolesThatAPersonChose) {
+  const auto structure = test::shear_frame(3, 20.0, 0.01);
+  const auto record = test::ambient_record(structure, 64.0, 20000, 4);
+  const auto all = identify_modes(record);
+  const auto f = structure.frequencies();
+  const auto found = identify_modes(record, {.poles = {{f[2], 0}, {f[0], 12}}});
+  ASSERT_EQ(found.modes.size(), 2u);
+  EXPECT_EQ(found.modes[0].order, 12);
+  EXPECT_NEAR(found.modes[0].frequency, f[0], 4.0 * found.modes[0].frequency_std());
+  EXPECT_EQ(found.modes[1].order, found.max_order);
+  EXPECT_NEAR(found.modes[1].frequency, all.modes[2].frequency, all.modes[2].frequency_std());
+  EXPECT_GT(found.modes[1].orders, 5);
+}
+
 // A record without noise: almost no combination of past outputs is free of the modes.
 TEST(IdentifyModes, ByDataOfARecordWithoutNoise) {
   const auto structure = test::shear_frame(3, 20.0, 0.01);
@@ -150,6 +164,7 @@ TEST(IdentifyModes, RefusesWhatTellsNoModes) {
   EXPECT_NE(complaint(record, {.band = FrequencyBand{5.0, 40.0}}).find("band"), std::string::npos);
   EXPECT_NE(complaint(record, {.blocks = 3}).find("blocks: 3"), std::string::npos);
   EXPECT_NE(complaint(cut(record, 0.0, 10.0)).find("samples"), std::string::npos);
+  EXPECT_NE(complaint(record, {.poles = {{13.0, 2}}}).find("there is no pole at 13 Hz of order 2"), std::string::npos);
   auto dead = record;
   dead.values.row(1).setConstant(0.25);
   EXPECT_NE(complaint(dead).find("'v2' is 0.25 throughout"), std::string::npos);

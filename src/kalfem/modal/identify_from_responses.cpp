@@ -172,7 +172,7 @@ std::vector<FittedMode> fitted_modes(const FittedResponses& fitted, std::vector<
       IdentifiedMode mode = mode_of_fit(fit, r, fitted.inputs(), fitted.scale);
       mode.order = static_cast<int>(track.representative().order);
       mode.orders = static_cast<int>(track.poles.size());
-      if (!is_within(mode, fitted, limits) || !stands_out(fit, r, fitted.lines())) continue;
+      if (!track.chosen && (!is_within(mode, fitted, limits) || !stands_out(fit, r, fitted.lines()))) continue;
       const VectorXcd shape = mode.shape.cwiseQuotient(fitted.scale.cast<Complex>());
       modes.push_back({std::move(mode), shape});
       kept.push_back(track);
@@ -210,7 +210,8 @@ ModalResult identify_modes(const FrfMatrix& responses, const ModalOptions& optio
     const std::size_t largest_first = degrees.size() - 1 - i;
     by_degree[largest_first] = fraction.poles(degrees[largest_first]);
   });
-  auto tracks = stable_tracks(by_degree, options.stabilisation);
+  auto tracks = options.poles.empty() ? stable_tracks(by_degree, options.stabilisation)
+                                      : chosen_tracks(by_degree, options.poles, options.stabilisation);
   ModalResult result{.channels = {},
                      .units = {},
                      .references = responses.inputs,

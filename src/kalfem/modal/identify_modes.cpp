@@ -108,7 +108,8 @@ ModalResult identify_modes(const Record& given, const ModalOptions& options) {
       });
     tell("models", 0.5 + 0.5 * (1.0 - static_cast<double>(i) / static_cast<double>(by_order.size())));
   }
-  const auto tracks = stable_tracks(by_order, options.stabilisation);
+  const auto tracks = options.poles.empty() ? stable_tracks(by_order, options.stabilisation)
+                                            : chosen_tracks(by_order, options.poles, options.stabilisation);
   ModalResult result{.channels = {},
                      .units = {},
                      .references = {},

@@ -22,6 +22,12 @@ struct StabilisationOptions {
   double least_participation = 0;  ///< of the channels' variance that a mode carries
 };
 
+/// A pole of the stabilisation diagram that a person takes for a mode.
+struct ChosenPole {
+  double frequency = 0.0;  ///< [Hz]
+  int order = 0;           ///< of its model; 0: the largest order that has a pole there
+};
+
 /// Of what the singular vectors are taken: of the correlations of future and past outputs, or of the projection of the
 /// future onto the past (the unweighted principal components of data-driven identification), which counts each
 /// combination of past outputs by what it tells and not by how large it is.
@@ -48,7 +54,8 @@ struct ModalOptions {
   int max_order = 0;   ///< largest order of the state-space models; 0: four a channel, from 30 to 100
   int blocks = 100;    ///< parts of the record whose scatter gives the covariance of the correlations
   StabilisationOptions stabilisation = {};
-  int threads = 0;  ///< 0: one per processor; results do not depend on it
+  std::vector<ChosenPole> poles = {};  ///< the modes, in place of those that stand in the diagram; empty: these
+  int threads = 0;                     ///< 0: one per processor; results do not depend on it
   Progress progress = {};
 };
 

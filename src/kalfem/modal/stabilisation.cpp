@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kalfem/modal/stabilisation.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <iterator>
 #include <optional>
 
+#include "kalfem/base/invalid_input.hpp"
 #include "kalfem/modal/shape_measures.hpp"
 
 namespace kalfem {
@@ -104,6 +107,23 @@ bool is_undamped(const StatePole& pole) {
   return std::abs(pole.damping) < none && std::abs(pole.damping) < deviations * pole.damping_std;
 }
 
+/// The vibrating pole nearest to a chosen frequency, of those within 2 % of it; null: there is none.
+const StatePole* pole_at(const ChosenPole& wanted, const std::vector<std::vector<StatePole>>& by_order) {
+  constexpr double near = 0.02;
+  for (std::size_t i = by_order.size(); i-- > 0;) {
+    const StatePole* found = nullptr;
+    for (const auto& pole : by_order[i]) {
+      if (wanted.order > 0 && pole.order != wanted.order) continue;
+      const double apart = std::abs(pole.frequency - wanted.frequency);
+      if (pole.damping > 0.0 && apart < near * wanted.frequency &&
+          (!found || apart < std::abs(found->frequency - wanted.frequency)))
+        found = &pole;
+    }
+    if (found) return found;
+  }
+  return nullptr;
+}
+
 /// The undamped pole nearest to a frequency, of those within 2e-4 of it.
 const StatePole* undamped_at(double frequency, const std::vector<StatePole>& poles) {
   constexpr double same = 2e-4;
@@ -119,6 +139,7 @@ const StatePole* undamped_at(double frequency, const std::vector<StatePole>& pol
 }  // namespace
 
 const StatePole& PoleTrack::representative(Eigen::Index least_order) const {
+  if (chosen) return *chosen;
   std::vector<const StatePole*> counted;
   std::ranges::copy_if(poles, std::back_inserter(counted),
                        [&](const StatePole* pole) { return pole->order >= least_order; });
@@ -154,6 +175,38 @@ std::vector<PoleTrack> stable_tracks(const std::vector<std::vector<StatePole>>& 
       stable.push_back(std::move(each.track));
   std::ranges::sort(stable, {}, [](const PoleTrack& each) { return each.representative().frequency; });
   return stable;
+}
+
+std::vector<PoleTrack> chosen_tracks(const std::vector<std::vector<StatePole>>& by_order,
+                                     const std::vector<ChosenPole>& poles, const StabilisationOptions& limits) {
+  std::vector<PoleTrack> tracks;
+  IssueList issues;
+  for (const auto& wanted : poles) {
+    const StatePole* chosen = pole_at(wanted, by_order);
+    if (!chosen) {
+      issues.add({},
+                 fmt::format("there is no pole at {:.5g} Hz{}", wanted.frequency,
+                             wanted.order > 0 ? fmt::format(" of order {}", wanted.order) : ""),
+                 "a chosen pole lies within 2 % of one in the stabilisation diagram",
+                 "read its frequency and order from the diagram (--page, --json)");
+      continue;
+    }
+    PoleTrack track{.poles = {}, .chosen = chosen};
+    for (const auto& of_order : by_order) {
+      const StatePole* same = nullptr;
+      std::optional<double> nearest;
+      for (const auto& pole : of_order)
+        if (const auto apart = distance(*chosen, pole, limits); apart && (!nearest || *apart < *nearest)) {
+          nearest = apart;
+          same = &pole;
+        }
+      if (same) track.poles.push_back(same);
+    }
+    tracks.push_back(std::move(track));
+  }
+  issues.raise();
+  std::ranges::sort(tracks, {}, [](const PoleTrack& each) { return each.chosen->frequency; });
+  return tracks;
 }
 
 // From the largest order down: a pole of noise that happens to be undamped in one model is not so in the next.
