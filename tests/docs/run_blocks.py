@@ -164,7 +164,7 @@ def accept(page, run):
     """Writes what the blocks printed into the page, in the places of what it shows."""
     text = page.read_text()
     for number, block in enumerate(run.blocks):
-        if "output" in block.marks and number - 1 in run.printed:
+        if "output" in block.marks and block.text and number - 1 in run.printed:
             text = text.replace(block.text, refreshed(block.text, run.printed[number - 1]))
     page.write_text(text)
 
