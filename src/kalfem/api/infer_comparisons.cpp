@@ -2,23 +2,19 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "kalfem/api/infer.hpp"
 #include "kalfem/api/inference_question.hpp"
 #include "kalfem/api/refined_parameters.hpp"
 #include "kalfem/api/structure_description.hpp"
 #include "kalfem/inference/infer.hpp"
+#include "kalfem/inference/residual_likelihood.hpp"
 
 namespace kalfem {
 
 using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 namespace {
-
-constexpr double impossible = -std::numeric_limits<double>::infinity();
 
 void check_options(const InferOptions& options, const UpdateOptions& comparisons, IssueList& issues) {
   if (options.likelihood != LikelihoodKind::comparisons)
@@ -74,27 +70,11 @@ void set_parameters(const std::vector<UpdatingParameter>& parameters, const Infe
   problem.prior = JointPrior(std::move(priors));
 }
 
-/// Assembly and modes of each model, and a solution for each number that is compared.
-double work_of(const StructureModel& structure, Index residuals) {
+/// Degrees of freedom of the finite elements; lumped parts count as a hundred together.
+Index dofs_of(const StructureModel& structure) {
   Index dofs = 100;
   for (const auto& elements : structure.finite_elements) dofs += elements.part->full.size();
-  return 2e5 + (5e4 + 100.0 * static_cast<double>(residuals)) * static_cast<double>(dofs);
-}
-
-ParameterLikelihood likelihood_of(const ResidualSum& residual, const std::vector<std::string>& names, double work) {
-  const auto sum = std::make_shared<const ResidualSum>(residual);
-  const double normalisation = 0.5 * static_cast<double>(sum->size()) * std::log(2.0 * std::numbers::pi);
-  return {names,
-          [=](const VectorXd& theta) {
-            const auto value = sum->evaluate(theta, false);
-            return value ? -0.5 * value->values.squaredNorm() - normalisation : impossible;
-          },
-          [=](const VectorXd& theta) -> std::optional<MatrixXd> {
-            const auto value = sum->evaluate(theta, true);
-            if (!value) return std::nullopt;
-            return MatrixXd(value->jacobian.transpose() * value->jacobian);
-          },
-          "what is compared", work};
+  return dofs;
 }
 
 }  // namespace
@@ -111,8 +91,8 @@ InferResult infer(const Structure& structure, const UpdateOptions& comparisons, 
       structure, model,
       std::make_shared<const ParameterisedStructure>(model, found.bindings, std::ssize(found.parameters)),
       found.parameters, comparisons);
-  const ResidualSum residual = sum_of(made, std::numeric_limits<std::size_t>::max());
-  first_values(residual, found.parameters);
+  const auto residual = std::make_shared<const ResidualSum>(sum_of(made, std::numeric_limits<std::size_t>::max()));
+  first_values(*residual, found.parameters);
   InferenceProblem problem;
   set_parameters(found.parameters, options, problem, issues);
   problem.likelihood = LikelihoodKind::comparisons;
@@ -120,8 +100,8 @@ InferResult infer(const Structure& structure, const UpdateOptions& comparisons, 
   problem.samples = options.samples;
   problem.seed = options.seed;
   problem.predictions = 0;
-  return result_of(
-      infer(problem, likelihood_of(residual, names, work_of(*model, residual.size())), {.progress = options.progress}));
+  return result_of(infer(problem, likelihood_of_residual(residual, names, "what is compared", dofs_of(*model)),
+                         {.progress = options.progress}));
 }
 
 }  // namespace kalfem
