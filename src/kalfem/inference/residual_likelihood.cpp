@@ -12,8 +12,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-ParameterLikelihood likelihood_of_residual(std::shared_ptr<const ResidualSum> residual, std::vector<std::string> names,
-                                           std::string words, Index dofs) {
+ParameterLikelihood likelihood_of_residual(const std::shared_ptr<const ResidualSum>& residual,
+                                           std::vector<std::string> names, std::string words, Index dofs) {
   constexpr double impossible = -std::numeric_limits<double>::infinity();
   const auto count = static_cast<double>(residual->size());
   const double normalisation = 0.5 * count * std::log(2.0 * std::numbers::pi);

@@ -13,7 +13,7 @@ namespace kalfem {
 /// of the N weighted residuals r in their standard deviations, -infinity where the model has no response; its
 /// information is J^T J. `words`: what is compared. `dofs`: of the models, from which its work follows (assembly and
 /// modes of each, and a solution for each number that is compared).
-ParameterLikelihood likelihood_of_residual(std::shared_ptr<const ResidualSum> residual, std::vector<std::string> names,
-                                           std::string words, Eigen::Index dofs);
+ParameterLikelihood likelihood_of_residual(const std::shared_ptr<const ResidualSum>& residual,
+                                           std::vector<std::string> names, std::string words, Eigen::Index dofs);
 
 }  // namespace kalfem
