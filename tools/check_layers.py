@@ -28,7 +28,7 @@ ALLOWED = {
     "prediction": MOTION | {"reduction"},
     "modal": NUMERICS | {"records", "statistics"},
     "updating": MOTION | {"information", "reduction", "estimation", "prediction", "modal"},
-    "correlation": MODEL | {"modal", "updating"},
+    "correlation": MODEL | {"statistics", "modal", "updating"},
     "distributed": NUMERICS,
     "yaml": {"base"},
 }

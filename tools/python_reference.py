@@ -29,7 +29,7 @@ GROUPS = {
     "Simulation and identification": "simulate estimate predict validate Validation SensorValidation",
     "Updating": "update MeasuredModes MeasuredResponses MeasuredDeflections MeasuredRecord",
     "Posteriors": "infer infer_comparisons Posterior mixture Mixture compare ComparedStructure Likelihood",
-    "Modes, frequency responses, statics": "modal modal_of_responses merge_setups track_modes IdentifiedMode IdentifiedModes ModeTrack read_modes ModeSet match_points PointMatch MatchedPoint PlaceFit correlate Correlation CorrelatedMode SetupMistake modes Modes frf frequency_responses "
+    "Modes, frequency responses, statics": "modal modal_of_responses merge_setups track_modes IdentifiedMode IdentifiedModes ModeTrack read_modes ModeSet match_points PointMatch MatchedPoint PlaceFit correlate Correlation CorrelatedMode SetupMistake ShapeExpansion correlate_responses ResponseAgreement modes Modes frf frequency_responses "
     "FrequencyResponses FrequencyResponse mac statics Statics StaticCase",
     "Sensor placement": "place Placement SensorSet",
     "Sample by sample": "Filter Estimate watch Watch",

@@ -90,9 +90,58 @@ py::dict measured(const py::dict& set, const std::string& substructure,
   return all;
 }
 
-py::dict correlated(const Structure& given, const py::dict& modes) {
+ExpansionMethod expansion_of(const std::string& word) {
+  for (const auto method : {ExpansionMethod::model, ExpansionMethod::serep, ExpansionMethod::dynamic})
+    if (word == word_of(method)) return method;
+  throw InvalidInput("expansion: there is no '" + word + "'", "", "give model, serep or dynamic");
+}
+
+/// By the names of the fields of kalfem.ShapeExpansion.
+py::object in_python(const ShapeExpansion& expansion, const std::vector<std::string>& dofs) {
+  if (expansion.shapes.empty()) return py::none();
+  const auto columns = [&](Eigen::VectorXd ExpandedShape::*values) {
+    Eigen::MatrixXd all(std::ssize(dofs), std::ssize(expansion.shapes));
+    for (Index i = 0; i < all.cols(); ++i) all.col(i) = expansion.shapes[static_cast<std::size_t>(i)].*values;
+    return array_of(all);
+  };
+  std::vector<std::size_t> pairs;
+  std::vector<double> bands;
+  for (const auto& shape : expansion.shapes) {
+    pairs.push_back(shape.measured);
+    bands.push_back(shape.band);
+  }
+  py::dict all;
+  all["method"] = std::string(word_of(expansion.method));
+  all["stiffness_error"] = expansion.mixing.stiffness_error;
+  all["noise"] = expansion.mixing.noise;
+  all["dofs"] = dofs;
+  all["pairs"] = pairs;
+  all["bands"] = bands;
+  all["shapes"] = columns(&ExpandedShape::shape);
+  all["std"] = columns(&ExpandedShape::deviation);
+  all["model"] = columns(&ExpandedShape::model);
+  return all;
+}
+
+py::list agreement_with(const Structure& given, const py::dict& responses) {
   Structure structure = given;
-  const auto found = correlate(structure, measured_modes_of(structure, modes));
+  py::list all;
+  for (const auto& each : correlate(structure, measured_responses_of(structure, responses))) {
+    py::dict entry;
+    entry["name"] = each.name;
+    entry["frac"] = each.frac;
+    entry["size"] = each.size;
+    entry["phase"] = each.phase;
+    entry["is_turned"] = each.is_turned();
+    all.append(entry);
+  }
+  return all;
+}
+
+py::dict correlated(const Structure& given, const py::dict& modes, const std::string& expansion) {
+  Structure structure = given;
+  const auto measured = measured_modes_of(structure, modes);
+  const auto found = correlate(structure, measured, {.expansion = expansion_of(expansion)});
   py::list pairs, mistakes;
   py::dict comac, all;
   for (const auto& pair : found.pairs) {
@@ -123,6 +172,7 @@ py::dict correlated(const Structure& given, const py::dict& modes) {
   all["orthogonality"] = found.orthogonality.size() > 0 ? array_of(found.orthogonality) : py::none();
   all["comac"] = comac;
   all["mistakes"] = mistakes;
+  all["expansion"] = in_python(found.expansion, found.dofs);
   return all;
 }
 
@@ -161,8 +211,10 @@ void bind_mode_sets(py::module_& module) {
       "Modes of a file: see kalfem.read_modes.");
   module.def("measured_modes", &measured, py::arg("modes"), py::arg("substructure"), py::arg("points"),
              py::arg("options"), "Modes as a comparison: see kalfem.ModeSet.measured.");
-  module.def("correlate", &correlated, py::arg("structure"), py::arg("modes"),
+  module.def("correlate", &correlated, py::arg("structure"), py::arg("modes"), py::arg("expansion"),
              "Measured modes beside those of a model: see kalfem.correlate.");
+  module.def("correlate_responses", &agreement_with, py::arg("structure"), py::arg("responses"),
+             "Measured frequency responses beside those of a model: see kalfem.correlate_responses.");
 }
 
 }  // namespace kalfem::python

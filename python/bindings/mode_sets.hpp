@@ -11,5 +11,6 @@ ModeSet mode_set_of(const py::dict& given);
 
 /// Those of kalfem.MeasuredModes, as comparing.py describes it.
 MeasuredModes measured_modes_of(Structure& structure, const py::dict& given);
+MeasuredResponses measured_responses_of(Structure& structure, const py::dict& given);
 
 }  // namespace kalfem::python

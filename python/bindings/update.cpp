@@ -317,6 +317,10 @@ MeasuredModes measured_modes_of(Structure& structure, const py::dict& given) {
   return std::get<MeasuredModes>(ComparisonReader(structure).read("modes", given).what);
 }
 
+MeasuredResponses measured_responses_of(Structure& structure, const py::dict& given) {
+  return std::get<MeasuredResponses>(ComparisonReader(structure).read("responses", given).what);
+}
+
 UpdateOptions update_options_of(Structure& structure, const py::dict& arguments) {
   return {.substructure = cast_of<std::string>(arguments["substructure"], "substructure"),
           .frequencies = frequencies_of(arguments["frequencies"], arguments["std"], arguments["modes"]),

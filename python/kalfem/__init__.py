@@ -52,7 +52,7 @@ _NAMES = {
     "modal_identification": ("modal", "modal_of_responses", "merge_setups", "track_modes", "IdentifiedMode", "IdentifiedModes", "ModeTrack"),
     "mode_sets": ("read_modes", "ModeSet"),
     "matching": ("match_points", "PointMatch", "MatchedPoint", "PlaceFit"),
-    "correlating": ("correlate", "Correlation", "CorrelatedMode", "SetupMistake"),
+    "correlating": ("correlate", "correlate_responses", "Correlation", "CorrelatedMode", "ResponseAgreement", "SetupMistake", "ShapeExpansion"),
     "placing": ("place", "Placement", "SensorSet"),
     "validating": ("validate", "Validation", "SensorValidation"),
     "loading": ("statics", "Statics", "StaticCase"),
@@ -165,8 +165,11 @@ if TYPE_CHECKING:
     from .correlating import (
         CorrelatedMode as CorrelatedMode,
         Correlation as Correlation,
+        ResponseAgreement as ResponseAgreement,
         SetupMistake as SetupMistake,
+        ShapeExpansion as ShapeExpansion,
         correlate as correlate,
+        correlate_responses as correlate_responses,
     )
     from .matching import (
         MatchedPoint as MatchedPoint,

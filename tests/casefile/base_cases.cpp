@@ -261,7 +261,7 @@ update:
   alternatives:
     two: {parameters: {body.a.stiffness: {initial: 28 kN/m, std: 20 %, bounds: [10 kN/m, 60 kN/m], truth: 30 kN/m}, others: {applies_to: [body.b.stiffness], std: 20 %}}}
   compare:
-    tap: {modes: body, frequencies: [6.9 Hz, 30.6 Hz], deviation: 2 %, above: 1 Hz, minimum_mac: 0.3, shapes: {file: shapes.csv, points: [1, 2, 3], deviation: 0.1, deviations: shape_deviations.csv}, dampings: [0.02, 0.02], damping_deviation: 20 %, weight: 1}
+    tap: {modes: body, frequencies: [6.9 Hz, 30.6 Hz], deviation: 2 %, above: 1 Hz, minimum_mac: 0.3, expansion: serep, shapes: {file: shapes.csv, points: [1, 2, 3], deviation: 0.1, deviations: shape_deviations.csv}, dampings: [0.02, 0.02], damping_deviation: 20 %, weight: 1}
     table: {modes: body, frequencies: {file: frequencies.csv, column: f, first: 2}, deviation: {file: frequencies.csv, column: std, first: 2}, dampings: {file: frequencies.csv, column: d, first: 2}, damping_deviation: {file: frequencies.csv, column: d, first: 2}, model_modes: [1, 2]}
     modal: {modes: body, file: modes.unv, points: {1: 1:+X, 2: 2:+X, 3: 3:+X}, only: [1], shape_deviation: 0.1, compare_dampings: true, damping_deviation: 20 %, max_complexity: 0.3}
     hammer: {frf: body, inputs: [{force: 3, file: frf.csv}], outputs: [1, 2], quantity: acceleration, bands: [[2 Hz, 40 Hz]], compare: difference, deviation: 0.1, floor: 0.1, smoothing: 0 Hz, weight: 0.1}

@@ -132,6 +132,18 @@ void mode_shapes() {
   EXPECT_THROW(pairs_with(mac + 0.5 * (1.0 - mac)), InvalidInput);
 }
 
+void expansion_methods() {
+  write_file("shapes.csv", "1,1\n0.5,-1\n");
+  for (const std::string word : {"model", "serep", "dynamic"}) {
+    const auto study = with_update(
+        "parameters: {s.k.stiffness: {}}, compare: {c: {modes: s, frequencies: [1.5, 3.5], shapes: {file: shapes.csv, "
+        "points: [a, b]}, expansion: " +
+        word + "}}");
+    const auto& data = study.description->update->comparisons.front().second.value.data;
+    EXPECT_EQ(word_of(std::get<description::ModalData>(data).expansion), word);
+  }
+}
+
 /// Deviations and dampings entry by entry.
 void listed_modes() {
   const VectorXd f = modes_at().frequencies;
@@ -429,6 +441,7 @@ KeyChecks updating_keys() {
       listed_modes);
   add(compare_at, {"file", "points", "only", "shape_deviation", "compare_dampings", "max_complexity"}, files_of_modes);
   add(compare_at, {"shapes.file", "shapes.points", "shapes.deviation", "minimum_mac"}, mode_shapes);
+  add(compare_at, {"expansion"}, expansion_methods);
   add(compare_at, {"deviation.column"}, [] {
     listed_modes();
     natural_frequencies();

@@ -91,6 +91,10 @@ TEST(Compared, AMistakeOfAModalTestIsInVerdictAndSummary) {
   const auto& mistake = wrong["correlation"]["comparisons"]["modes"]["mistakes"][0];
   EXPECT_EQ(mistake["kind"], "turned");
   EXPECT_EQ(mistake["sensors"][0], "2");
+  const auto& expansion = right["correlation"]["comparisons"]["modes"]["expansion"];
+  EXPECT_EQ(expansion["method"], "model");
+  EXPECT_LT(expansion["modes"][1]["band"].get<double>(), 0.02);
+  EXPECT_NEAR(expansion["points"]["2"]["shape"][0].get<double>(), std::sin(2.0 * M_PI / 7.0), 1e-3);
 }
 
 TEST(Compared, AFailedRunIsUnusableWhateverItDid) {

@@ -2,17 +2,25 @@
 #include "kalfem/api/correlate.hpp"
 
 #include "kalfem/api/modes_at_points.hpp"
+#include "kalfem/api/responses_at_points.hpp"
 #include "kalfem/api/structure_description.hpp"
 #include "kalfem/identification/parameterised_structure.hpp"
 
 namespace kalfem {
 
-Correlation correlate(const Structure& structure, const MeasuredModes& modes, CorrelationOptions options) {
+namespace {
+
+std::shared_ptr<const ParameterisedModel> substructure_of(const Structure& structure, const std::string& name) {
   const ParameterisedStructure parameterised(make_structure_model(structure.description()), {}, 0);
-  const auto substructure = parameterised.model_of(modes.substructure);
-  if (!substructure)
-    throw InvalidInput("substructure '" + modes.substructure + "': there is none of that name", "", "");
-  const LinearModel model = substructure->at(Eigen::VectorXd()).model;
+  auto substructure = parameterised.model_of(name);
+  if (!substructure) throw InvalidInput("substructure '" + name + "': there is none of that name", "", "");
+  return substructure;
+}
+
+}  // namespace
+
+Correlation correlate(const Structure& structure, const MeasuredModes& modes, CorrelationOptions options) {
+  const LinearModel model = substructure_of(structure, modes.substructure)->at(Eigen::VectorXd()).model;
   const auto measured = modes_at_points(modes, model);
   if (!modes.sensors.empty() && modes.sensors.size() != modes.points.size())
     throw InvalidInput("sensors: " + std::to_string(modes.sensors.size()) + " names, but there are " +
@@ -24,6 +32,13 @@ Correlation correlate(const Structure& structure, const MeasuredModes& modes, Co
         {modes.sensors.empty() ? modes.points[i] : modes.sensors[i], point_in(modes.substructure, modes.points[i])});
   options.above = modes.above;
   return correlate(measured.modes, measured.points, sensors, model, options);
+}
+
+std::vector<ResponseAgreement> correlate(const Structure& structure, const MeasuredResponses& responses) {
+  const std::string substructure = split_point(responses.input).first;
+  const FrfResidual residual(substructure_of(structure, substructure), {responses_at_points(responses)},
+                             Eigen::VectorXd(), response_options(responses));
+  return agreement_of(residual, Eigen::VectorXd());
 }
 
 }  // namespace kalfem

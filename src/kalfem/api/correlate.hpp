@@ -4,6 +4,7 @@
 #include "kalfem/api/structure.hpp"
 #include "kalfem/api/update.hpp"
 #include "kalfem/correlation/correlate.hpp"
+#include "kalfem/correlation/response_agreement.hpp"
 
 namespace kalfem {
 
@@ -12,5 +13,9 @@ namespace kalfem {
 /// Structure::at() gives the structure after an updating. `above` of the modes counts, not that of the options.
 /// Throws InvalidInput with everything of the modes that does not fit.
 Correlation correlate(const Structure& structure, const MeasuredModes& modes, CorrelationOptions options = {});
+
+/// Measured frequency responses beside those of the substructure, output by output: FRAC, size and phase. What is
+/// stated of errors plays no part. Throws InvalidInput with everything of the responses that does not fit.
+std::vector<ResponseAgreement> correlate(const Structure& structure, const MeasuredResponses& responses);
 
 }  // namespace kalfem

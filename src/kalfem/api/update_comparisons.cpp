@@ -6,6 +6,7 @@
 
 #include "kalfem/api/filter_problem.hpp"
 #include "kalfem/api/modes_at_points.hpp"
+#include "kalfem/api/responses_at_points.hpp"
 #include "kalfem/api/sensor_record.hpp"
 #include "kalfem/api/structure_description.hpp"
 #include "kalfem/base/units.hpp"
@@ -45,30 +46,15 @@ public:
   }
 
   std::vector<ResidualPtr> operator()(const MeasuredResponses& given) const {
-    const auto [substructure, input] = split_point(given.input);
-    MeasuredFrf measured{.name = "values",
-                         .response = {.lines = given.frequencies, .values = given.values, .deviations = given.std},
-                         .set = {.input = FrfInput::force, .place = input}};
-    for (const auto& output : given.outputs) {
-      if (output.points.size() != 1 || output.points.begin()->second != 1.0 || output.relative_to_base)
-        throw InvalidInput("outputs: one is not the absolute motion of a single point", "each column is one response",
-                           "compare each by itself");
-      measured.set.quantity = quantity_of(output);
-      if (output.quantity != given.outputs.front().quantity)
-        throw InvalidInput("outputs: they are of different quantities", "one comparison is of one quantity",
-                           "make a comparison of each");
-      measured.set.outputs.push_back(point_in(substructure, output.points.begin()->first));
-      measured.response.outputs.push_back({measured.set.outputs.back(), unit_of(measured.set)});
-    }
-    FrfResidualOptions options{.relative_deviation = given.relative_std};
-    if (given.std.size() > 0) options.floor = 0.0;
+    const auto measured = responses_at_points(given);
+    const auto substructure = substructure_of(split_point(given.input).first);
+    auto options = response_options(given);
     const auto widths = given.smoothing > 0.0 ? smoothing_widths(given.smoothing, given.smoothing / smoothing_range)
                                               : std::vector<double>{0.0};
     std::vector<ResidualPtr> steps;
     for (const double width : widths) {
       options.smoothing = width;
-      steps.push_back(
-          std::make_shared<FrfResidual>(substructure_of(substructure), std::vector{measured}, start_, options));
+      steps.push_back(std::make_shared<FrfResidual>(substructure, std::vector{measured}, start_, options));
     }
     return steps;
   }
@@ -109,19 +95,6 @@ private:
     auto found = parameterised_->model_of(name);
     if (!found) throw InvalidInput("substructure '" + name + "': there is none of that name", "", "");
     return found;
-  }
-
-  static ResponseQuantity quantity_of(const OutputDescription& output) {
-    switch (output.quantity) {
-      case ObservedQuantity::displacement:
-        return ResponseQuantity::displacement;
-      case ObservedQuantity::velocity:
-        return ResponseQuantity::velocity;
-      case ObservedQuantity::acceleration:
-        return ResponseQuantity::acceleration;
-      default:
-        throw InvalidInput("outputs: one is no motion of a point", "frequency responses are of motions", "");
-    }
   }
 
   const Structure& structure_;

@@ -10,6 +10,7 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/casefile/finite_element_description.hpp"
+#include "kalfem/correlation/expansion_method.hpp"
 #include "kalfem/formats/tables/frf_table.hpp"
 #include "kalfem/identification/updating_setup.hpp"
 #include "kalfem/updating/frf_scale.hpp"
@@ -67,6 +68,7 @@ struct ModalData {
   std::vector<int> model_modes;
   double above = 0.0;
   double minimum_mac = 0.5;
+  ExpansionMethod expansion = ExpansionMethod::model;
 };
 
 /// Frequency responses to one input.

@@ -105,7 +105,14 @@ kalfem::Case<ModalData> modal_data() {
           .optional("above", &ModalData::above, number("Hz", Bounds::nonnegative()),
                     "leave out the model's modes below this frequency, such as rigid-body modes on a soft suspension")
           .optional("minimum_mac", &ModalData::minimum_mac, number("-", Bounds::between(0, 1)),
-                    "smallest MAC of two shapes of the same mode"));
+                    "smallest MAC of two shapes of the same mode")
+          .optional("expansion", &ModalData::expansion,
+                    choice<ExpansionMethod>(
+                        {{"model", ExpansionMethod::model, "the model's mode, mixed with others as the shape asks for"},
+                         {"serep", ExpansionMethod::serep, "the paired modes that fit the shape best"},
+                         {"dynamic", ExpansionMethod::dynamic,
+                          "the model's motion at the measured frequency with forces at the sensors alone"}}),
+                    "how a measured shape is carried on to points without a sensor"));
 }
 
 kalfem::Case<FrfData> frf_data() {

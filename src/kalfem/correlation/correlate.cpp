@@ -42,6 +42,11 @@ NormalModes elastic_modes(const LinearModel& model, Index wanted, double above) 
   }
 }
 
+NormalModes lowest_of(const NormalModes& modes, Index count) {
+  count = std::min(count, modes.frequencies.size());
+  return {modes.frequencies.head(count), modes.shapes.leftCols(count)};
+}
+
 std::vector<PairedMode> table_of(const std::vector<MeasuredMode>& measured, const std::vector<ModePair>& pairs) {
   std::vector<PairedMode> table;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -116,11 +121,14 @@ Correlation correlate(const std::vector<MeasuredMode>& measured, const std::vect
                       const std::vector<ShapeSensor>& sensors, const LinearModel& model,
                       const CorrelationOptions& options) {
   const Index count = std::ssize(measured);
-  const auto modes = elastic_modes(model, options.modes.value_or(count + count / 2 + spare_modes), options.above);
+  const Index wanted = options.modes.value_or(count + count / 2 + spare_modes);
+  const auto mixed = elastic_modes(model, std::max<Index>(wanted, options.expansion_modes), options.above);
+  const auto modes = lowest_of(mixed, wanted);
   const MatrixXd shapes = shapes_of(measured, std::ssize(points)), at_points = point_rows(model, points) * modes.shapes;
   Correlation result{.frequencies = modes.frequencies,
                      .mac = mac_of_measured(shapes, at_points),
-                     .auto_mac = mac_of_measured(shapes, shapes)};
+                     .auto_mac = mac_of_measured(shapes, shapes),
+                     .dofs = model.dofs};
   const auto pairs_of = [&](double least_mac, double frequency_weight) {
     auto pairing = options.pairing;
     pairing.least_mac = least_mac;
@@ -145,6 +153,7 @@ Correlation correlate(const std::vector<MeasuredMode>& measured, const std::vect
     if (!mistakes.empty() && (result.mistakes.empty() || mistakes.front().evidence > result.mistakes.front().evidence))
       result.mistakes = std::move(mistakes);
   }
+  result.expansion = expand_shapes(measured, pairs, points, model, mixed, options.expansion);
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kalfem/correlation/setup_mistakes.hpp"
+#include "kalfem/correlation/shape_expansion.hpp"
 #include "kalfem/model/linear_model.hpp"
 #include "kalfem/updating/measured_mode.hpp"
 #include "kalfem/updating/mode_pairing.hpp"
@@ -18,6 +19,8 @@ struct CorrelationOptions {
   ModePairingOptions pairing = {};
   double mistake_mac = 0.2;  ///< pairs of a MAC of so much and more tell of mistakes, which lower it
   MistakeOptions mistakes = {};
+  ExpansionMethod expansion = ExpansionMethod::model;
+  int expansion_modes = 60;  ///< elastic modes, at least, that a true shape may be mixed of
 };
 
 /// How well one sensor agrees over the paired modes.
@@ -38,6 +41,8 @@ struct Correlation {
   Eigen::MatrixXd orthogonality = {};
   std::vector<SensorCorrelation> sensors = {};
   std::vector<SetupMistake> mistakes = {};
+  std::vector<std::string> dofs = {};  ///< of the model: rows of the expanded shapes
+  ShapeExpansion expansion = {};
 };
 
 /// Modal assurance criterion between columns over the entries that are numbers in both.

@@ -14,8 +14,9 @@ bool has_verdict(const StudyResults& results) {
          results.has<InferenceOutcome>() || !results.complete() || !results.verdict.reasons().empty();
 }
 
-std::string why_no_verdict(bool modes_paired) {
-  return modes_paired ? "modes were paired, but nothing was updated" : "nothing was compared with measurements";
+std::string why_no_verdict(bool correlated) {
+  return correlated ? "the model was compared with measurements, but nothing was updated"
+                    : "nothing was compared with measurements";
 }
 
 std::string why_no_verdict(const StudyResults& results) { return why_no_verdict(results.has<CorrelationOutcome>()); }

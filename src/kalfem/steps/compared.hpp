@@ -7,8 +7,8 @@
 
 namespace kalfem {
 
-/// What stands in the place of a verdict where a run has none. `modes_paired`: by a correlation.
-std::string why_no_verdict(bool modes_paired);
+/// What stands in the place of a verdict where a run has none. `correlated`: by a correlation.
+std::string why_no_verdict(bool correlated);
 std::string why_no_verdict(const StudyResults& results);
 
 /// Whether a run has a verdict: a step fitted or tested the model by measurements, or one of them failed, or a mistake

@@ -39,6 +39,11 @@ std::vector<Reason> reasons_of(const CorrelationOutcome& outcome) {
       reasons.push_back({"setup_mistake", each.name, words_of(mistake),
                          "look at the set-up, then correct `points` of the comparison", VerdictState::suspicious,
                          std::numeric_limits<double>::infinity()});
+  for (const auto& each : outcome.responses)
+    for (const auto& turned : turned_ones(each.responses))
+      reasons.push_back({"setup_mistake", each.name, turned,
+                         "look at the set-up, then change the sign of the column, or of the input's",
+                         VerdictState::suspicious, std::numeric_limits<double>::infinity()});
   return reasons;
 }
 

@@ -154,7 +154,9 @@ private:
     if (evolves || update.starts == 1) warn({"update", "seed"}, "there is one starting point");
     for (const auto& [name, given] : update.comparisons) {
       const auto* modal = std::get_if<d::ModalData>(&given.value.data);
-      if (modal && !has_shapes(*modal)) warn({"update", "compare", name, "minimum_mac"}, "no mode shapes are compared");
+      if (modal && !has_shapes(*modal))
+        for (const auto* key : {"minimum_mac", "expansion"})
+          warn({"update", "compare", name, key}, "no mode shapes are compared");
       if (modal && !has_dampings(*modal))
         warn({"update", "compare", name, "damping_deviation"}, "no dampings are compared");
       const auto* frf = std::get_if<d::FrfData>(&given.value.data);

@@ -309,4 +309,11 @@ std::vector<double> smoothing_widths(double widest, double narrowest) {
   return widths;
 }
 
+const FrfResidual* finest_responses(const std::vector<ResidualPtr>& continuation) {
+  const FrfResidual* finest = nullptr;
+  for (const auto& step : continuation)
+    if (const auto* responses = dynamic_cast<const FrfResidual*>(step.get())) finest = responses;
+  return finest;
+}
+
 }  // namespace kalfem

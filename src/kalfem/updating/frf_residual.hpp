@@ -106,6 +106,9 @@ private:
 /// Widths for a continuation from `widest` down to `narrowest`, each a third of the one before, and then 0 [Hz].
 std::vector<double> smoothing_widths(double widest, double narrowest);
 
+/// The FRFs of a continuation, the least smoothed ones; null: it has none. Spectra of a record come after its FRFs.
+const FrfResidual* finest_responses(const std::vector<ResidualPtr>& continuation);
+
 /// Measured FRFs that cannot be compared with any model: sizes, values that are not finite, frequencies that do not
 /// ascend, phases that are not there, options out of range. Throws InvalidInput with all of them.
 void check_measured(const std::vector<MeasuredFrf>& measured, const FrfResidualOptions& options);

@@ -21,12 +21,6 @@ constexpr Index spare_modes = 6;
 
 std::string number(double value) { return fmt::format("{:.4g}", value); }
 
-ShapeErrors errors_of(const MeasuredMode& mode) {
-  if (mode.shape_covariance.size() > 0) return ShapeErrors::correlated(mode.shape, mode.shape_covariance);
-  if (mode.shape_deviations.size() > 0) return {mode.shape, mode.shape_deviations};
-  return {mode.shape, VectorXd::Constant(mode.shape.size(), mode.shape_deviation * largest_entry(mode.shape))};
-}
-
 void check(const std::vector<MeasuredMode>& measured, std::size_t points, const ModalResidualOptions& options) {
   IssueList issues;
   check_modes(measured, points, issues);
@@ -175,7 +169,7 @@ ModalResidual::ModalResidual(std::shared_ptr<const ParameterisedModel> model, st
       references_(measured_.size()) {
   check(measured_, points_.size(), options_);
   for (const auto& mode : measured_) {
-    errors_.push_back(mode.shape.size() > 0 ? std::optional(errors_of(mode)) : std::nullopt);
+    errors_.push_back(mode.shape.size() > 0 ? std::optional(shape_errors_of(mode)) : std::nullopt);
     size_ += 1 + (errors_.back() ? errors_.back()->size() : 0) + (mode.damping ? 1 : 0);
   }
   const Solution solution = solve_first(start);

@@ -30,10 +30,28 @@ ShapeErrors ShapeErrors::correlated(const Eigen::VectorXd& shape, const Eigen::M
   return errors;
 }
 
+ShapeErrors ShapeErrors::at_given_scale(const Eigen::VectorXd& shape, const Eigen::MatrixXd& covariance) {
+  constexpr double least = 1e-4;
+  ShapeErrors errors(shape, Eigen::VectorXd::Ones(shape.size()));
+  Eigen::MatrixXd sigma = covariance(errors.measured_, errors.measured_);
+  sigma.diagonal().array() += least * sigma.diagonal().maxCoeff();
+  errors.factor_.compute(sigma);
+  errors.deviations_.resize(0);
+  return errors;
+}
+
 Eigen::MatrixXd ShapeErrors::whitened(const Eigen::MatrixXd& columns) const {
   const Eigen::MatrixXd measured = of_measured(columns);
   if (deviations_.size() > 0) return deviations_.cwiseInverse().asDiagonal() * measured;
   return factor_.matrixL().solve(measured);
+}
+
+ShapeErrors shape_errors_of(const MeasuredMode& mode, ShapeScale scale) {
+  if (mode.shape_covariance.size() > 0)
+    return scale == ShapeScale::free ? ShapeErrors::correlated(mode.shape, mode.shape_covariance)
+                                     : ShapeErrors::at_given_scale(mode.shape, mode.shape_covariance);
+  if (mode.shape_deviations.size() > 0) return {mode.shape, mode.shape_deviations};
+  return {mode.shape, Eigen::VectorXd::Constant(mode.shape.size(), mode.shape_deviation * largest_entry(mode.shape))};
 }
 
 }  // namespace kalfem

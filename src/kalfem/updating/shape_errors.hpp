@@ -4,6 +4,8 @@
 #include <Eigen/Dense>
 #include <vector>
 
+#include "kalfem/updating/measured_mode.hpp"
+
 namespace kalfem {
 
 /// What is known of the errors of a measured shape, whose scale is free.
@@ -21,6 +23,10 @@ public:
   /// measured.
   static ShapeErrors correlated(const Eigen::VectorXd& shape, const Eigen::MatrixXd& covariance);
 
+  /// The same where the scale is the measured one: an error along phi counts. To the variances 1e-4 of the largest is
+  /// added, as the entry at which a shape was normalised has none.
+  static ShapeErrors at_given_scale(const Eigen::VectorXd& shape, const Eigen::MatrixXd& covariance);
+
   [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(measured_.size()); }
   /// The measured entries of columns over all points, size() x columns.
   [[nodiscard]] Eigen::MatrixXd of_measured(const Eigen::MatrixXd& columns) const {
@@ -34,5 +40,10 @@ private:
   Eigen::VectorXd deviations_;          ///< of the measured entries, where they are independent
   Eigen::LLT<Eigen::MatrixXd> factor_;  ///< of their covariance, otherwise
 };
+
+enum class ShapeScale { free, given };
+
+/// By what is known of a measured shape: its covariance, or deviations by entry, or one deviation for all.
+ShapeErrors shape_errors_of(const MeasuredMode& mode, ShapeScale scale = ShapeScale::free);
 
 }  // namespace kalfem

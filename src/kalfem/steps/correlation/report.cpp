@@ -9,6 +9,8 @@
 #include "kalfem/page/json_number.hpp"
 #include "kalfem/page/words.hpp"
 #include "kalfem/pictures/heat_map.hpp"
+#include "kalfem/steps/correlation/agreement_report.hpp"
+#include "kalfem/steps/correlation/expanded_shapes.hpp"
 #include "kalfem/steps/correlation/point_match_words.hpp"
 
 namespace kalfem {
@@ -26,7 +28,8 @@ Json rows_of(const Eigen::MatrixXd& matrix) {
   return rows;
 }
 
-Json json_of(const Correlation& correlation) {
+Json json_of(const CorrelatedComparison& each) {
+  const auto& correlation = each.correlation;
   Json pairs = Json::array(), sensors = Json::object(), mistakes = Json::array();
   for (const auto& pair : correlation.pairs)
     pairs.push_back({{"measured_hz", number(pair.measured_frequency)},
@@ -51,7 +54,8 @@ Json json_of(const Correlation& correlation) {
           {"model_hz", numbers(correlation.frequencies)},
           {"mac", rows_of(correlation.mac)},
           {"auto_mac", rows_of(correlation.auto_mac)},
-          {"orthogonality", correlation.orthogonality.size() > 0 ? rows_of(correlation.orthogonality) : Json()}};
+          {"orthogonality", correlation.orthogonality.size() > 0 ? rows_of(correlation.orthogonality) : Json()},
+          {"expansion", expansion_json(each)}};
 }
 
 Picture picture(const std::string& title, const std::string& caption, const Eigen::MatrixXd& values,
@@ -74,13 +78,19 @@ std::string heading(const CorrelatedComparison& each, bool updated) {
 }  // namespace
 
 Table correlated_mode_table(const Correlation& correlation) {
-  Table table{"Modes", {"measured [Hz]", "mode", "model [Hz]", "error", "MAC", "out of phase"}, {}, {}};
+  Table table{"Modes", {"measured [Hz]", "mode", "model [Hz]", "error", "MAC", "out of phase", "band"}, {}, {}};
+  const auto band = [&](const PairedMode& pair) -> std::string {
+    const auto& shapes = correlation.expansion.shapes;
+    const auto shape = std::ranges::find(shapes, pair.measured, &ExpandedShape::measured);
+    if (shape == shapes.end()) return "-";
+    return shape->band > 1.0 ? "over 100 %" : fmt::format("{:.1f} %", 100.0 * shape->band);
+  };
   for (const auto& pair : correlation.pairs)
     table.rows.push_back({four_digits(pair.measured_frequency),
                           pair.model_mode ? std::to_string(*pair.model_mode) : "-",
                           pair.model_mode ? four_digits(pair.model_frequency) : "-",
                           pair.model_mode ? signed_per_cent(pair.relative_error) : "-", fmt::format("{:.3f}", pair.mac),
-                          pair.complexity > 0.0 ? fmt::format("{:.1f} %", 100.0 * pair.complexity) : "-"});
+                          pair.complexity > 0.0 ? fmt::format("{:.1f} %", 100.0 * pair.complexity) : "-", band(pair)});
   return without_empty_columns(std::move(table));
 }
 
@@ -102,7 +112,8 @@ std::string words_of(const SetupMistake& mistake) {
 
 Json correlation_summary(const CorrelationOutcome& outcome) {
   Json all = {{"updated", outcome.updated}, {"comparisons", Json::object()}};
-  for (const auto& each : outcome.comparisons) all["comparisons"][each.name] = json_of(each.correlation);
+  for (const auto& each : outcome.comparisons) all["comparisons"][each.name] = json_of(each);
+  for (const auto& each : outcome.responses) all["comparisons"][each.name] = {{"responses", json_of(each.responses)}};
   return all;
 }
 
@@ -113,18 +124,25 @@ std::string console_correlation(const CorrelationOutcome& outcome) {
         std::ranges::any_of(each.correlation.sensors, [](const auto& sensor) { return sensor.comac < low_comac; });
     if (outcome.updated && !stands_out && each.correlation.mistakes.empty()) continue;  // the update shows its modes
     text += "Correlation of " + heading(each, outcome.updated) + "\n";
-    if (!outcome.updated) text += to_text(correlated_mode_table(each.correlation)) + "\n";
+    if (!outcome.updated)
+      text += to_text(correlated_mode_table(each.correlation)) + "\n" + mixing_words(each.correlation.expansion);
     if (stands_out) text += to_text(correlated_sensor_table(each.correlation, most_sensors)) + "\n";
     for (const auto& mistake : each.correlation.mistakes) text += "  " + words_of(mistake) + "\n";
     if (each.placed)
       for (const auto& contradiction : each.placed->contradictions) text += "  " + contradiction + "\n";
     if (!each.correlation.mistakes.empty()) text += "\n";
   }
+  for (const auto& each : outcome.responses) {
+    const auto turned = turned_ones(each.responses);
+    if (outcome.updated && turned.empty()) continue;
+    text += fmt::format("Correlation of the responses of '{}'\n", each.name) + to_text(agreement_table(each)) + "\n";
+    for (const auto& sentence : turned) text += "  " + sentence + "\n";
+  }
   return text;
 }
 
 Section correlation_section(const CorrelationOutcome& outcome) {
-  Section section{.heading = "Correlation of modes"};
+  Section section{.heading = "Correlation"};
   for (const auto& each : outcome.comparisons) {
     const auto& found = each.correlation;
     section.text += sentence(heading(each, outcome.updated)) + ". ";
@@ -139,10 +157,15 @@ Section correlation_section(const CorrelationOutcome& outcome) {
                                          found.orthogonality, found, false));
     if (auto sensors = correlated_sensor_table(found, found.sensors.size()); !sensors.rows.empty())
       section.items.emplace_back(std::move(sensors));
+    add_expanded_shapes(each, section);
     if (!each.placed) continue;
     section.text += "By its coordinates the test is " + fit_words(each.placed->match.fit) + ". ";
     for (const auto& contradiction : each.placed->contradictions) section.text += sentence(contradiction) + ". ";
-    section.items.emplace_back(point_match_table(each.placed->match, each.placed->part->elements.mesh));
+    section.items.emplace_back(point_match_table(each.placed->match, each.part->elements.mesh));
+  }
+  for (const auto& each : outcome.responses) {
+    for (const auto& turned : turned_ones(each.responses)) section.text += "Set-up: " + turned + ". ";
+    section.items.emplace_back(agreement_table(each));
   }
   return section;
 }

@@ -60,6 +60,12 @@ std::optional<double> scale_of(const VectorXd& measured, const Matrix3Xd& model,
 
 }  // namespace
 
+std::vector<Index> measured_nodes(const CorrelatedComparison& comparison, const FiniteElementPart& part) {
+  std::vector<Index> nodes;
+  places_of(comparison, part, nodes);
+  return nodes;
+}
+
 MeasuredShapes measured_shapes(const CorrelatedComparison& comparison, const FiniteElementPart& part,
                                const SubstructureModes& modes) {
   MeasuredShapes shapes;

@@ -19,6 +19,9 @@ struct ShapeOverMode {
   Eigen::Matrix3Xd displacement;  ///< at the measured nodes, 0 in directions that were not measured
 };
 
+/// Nodes at which a comparison measured a translation.
+std::vector<Eigen::Index> measured_nodes(const CorrelatedComparison& comparison, const FiniteElementPart& part);
+
 /// The shapes of a comparison on the mesh of a substructure.
 struct MeasuredShapes {
   std::vector<Eigen::Index> nodes;   ///< at which something was measured

@@ -9,6 +9,7 @@
 
 #include "kalfem/pictures/mesh_picture.hpp"
 #include "kalfem/pictures/nodal_translations.hpp"
+#include "kalfem/pictures/scene_places.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
 #include "kalfem/steps/modes/measured_shapes.hpp"
 #include "kalfem/steps/modes/outcome.hpp"
@@ -26,68 +27,6 @@ constexpr std::size_t most_modes = 40, most_unlabelled_marks = 150, most_links =
 constexpr Index most_frames = 400;                  ///< of a motion
 constexpr Index most_shape_places = 500000;         ///< shapes of a motion times places, to keep pages small ...
 constexpr Index few_shapes = 12, many_shapes = 40;  ///< ... but no fewer shapes than these, and no more
-
-/// The places of a scene: those of the drawn surface, each a weighted mean of nodes, and nodes of their own, on which
-/// marks and lines stand.
-class ScenePlaces {
-public:
-  ScenePlaces(const Mesh& mesh, const std::vector<std::string>& regions) : mesh_(mesh) {
-    auto faces = outer_faces(mesh, regions);
-    const Eigen::VectorXd weights = shape_weights(mesh.nodes, faces);
-    surface_ = coarsened(mesh.nodes, std::move(faces), weights, most_scene_faces);
-    if (surface_.coarsened)
-      add_clusters(weights);
-    else
-      add_corners();
-  }
-
-  [[nodiscard]] const std::vector<DrawnFace>& faces() const { return surface_.faces; }
-
-  /// The place of one node alone.
-  Index of(Index node) {
-    const auto [entry, is_new] = of_node_.try_emplace(node, count_);
-    if (is_new) {
-      shares_.emplace_back(node, entry->second, 1.0);
-      ++count_;
-    }
-    return entry->second;
-  }
-
-  /// nodes x places: a field over the nodes times this is the field over the places.
-  [[nodiscard]] SparseMatrix averaging() const {
-    SparseMatrix averaging(mesh_.node_count(), count_);
-    averaging.setFromTriplets(shares_.begin(), shares_.end());
-    return averaging;
-  }
-
-private:
-  void add_clusters(const Eigen::VectorXd& weights) {
-    count_ = surface_.places.cols();
-    Eigen::VectorXd sums = Eigen::VectorXd::Zero(count_);
-    const auto nodes = static_cast<Index>(surface_.place_of.size());
-    const auto place_of = [&](Index node) { return surface_.place_of[static_cast<std::size_t>(node)]; };
-    for (Index node = 0; node < nodes; ++node)
-      if (place_of(node) >= 0) sums[place_of(node)] += weights[node];
-    for (Index node = 0; node < nodes; ++node)
-      if (const Index place = place_of(node); place >= 0)
-        shares_.emplace_back(node, place, weights[node] / sums[place]);
-  }
-
-  /// The corners of faces alone: middles of sides and nodes inside of solids are not drawn.
-  void add_corners() {
-    for (auto& face : surface_.faces)
-      for (int i = 0; i < face.count; ++i) {
-        Index& corner = face.nodes[static_cast<std::size_t>(i)];
-        corner = of(corner);
-      }
-  }
-
-  const Mesh& mesh_;
-  DrawnSurface surface_;
-  Index count_ = 0;
-  std::map<Index, Index> of_node_;
-  std::vector<Eigen::Triplet<double>> shares_;
-};
 
 /// Everything that stands on a part, by its node.
 class Marks {
@@ -243,7 +182,7 @@ void add_correlation(const StudyResults& results, const FiniteElementPart& part,
 std::optional<Scene> structure_scene(const Study& study, const StudyResults& results, const FiniteElementPart& part) {
   const auto& mesh = part.elements.mesh;
   const auto regions = drawn_regions(part.elements);
-  ScenePlaces places(mesh, regions);
+  ScenePlaces places(mesh, regions, most_scene_faces);
   if (places.faces().empty()) return std::nullopt;
   Marks marks(part, places);
   mark_elements(part.elements, marks);

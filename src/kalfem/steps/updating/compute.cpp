@@ -46,14 +46,6 @@ std::vector<FrfCurve> curves(const FrfResidual& residual, const VectorXd& start,
   return all;
 }
 
-/// The FRFs of a comparison, the least smoothed ones; null: it has none. Spectra of a record come after its FRFs.
-const FrfResidual* shown_responses(const ComparisonResidual& comparison) {
-  const FrfResidual* shown = nullptr;
-  for (const auto& step : comparison.continuation_steps)
-    if (const auto* frf = dynamic_cast<const FrfResidual*>(step.get())) shown = frf;
-  return shown;
-}
-
 /// The rows of each comparison in the sum, as sum_of() puts them.
 std::vector<ResidualBlock> blocks_of(const std::vector<ComparisonResidual>& comparisons) {
   std::vector<ResidualBlock> blocks;
@@ -100,7 +92,8 @@ void compare(const Study& study, const std::vector<ComparisonResidual>& comparis
       result.mac_final = at_end.mac;
     }
     if (const auto* record = dynamic_cast<const RecordResidual*>(&residual)) result.derivatives = record->derivatives();
-    if (const auto* frf = shown_responses(comparison)) result.responses = curves(*frf, start, updating.values);
+    if (const auto* frf = finest_responses(comparison.continuation_steps))
+      result.responses = curves(*frf, start, updating.values);
     updating.comparisons.push_back(std::move(result));
   }
 }
