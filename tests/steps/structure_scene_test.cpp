@@ -12,6 +12,7 @@
 #include "base/scratch_folder.hpp"
 #include "casefile/case_run.hpp"
 #include "kalfem/pictures/nodal_translations.hpp"
+#include "kalfem/steps/correlation/expanded_shapes.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
 #include "kalfem/steps/modes/measured_shapes.hpp"
 #include "kalfem/steps/modes/outcome.hpp"
@@ -231,6 +232,28 @@ TEST_F(MastScene, HasMeasuredShapesInScaleAndPhaseOfTheModel) {
   EXPECT_TRUE(scene.fields[0].measured && scene.fields[1].measured && !scene.fields[2].measured);
   EXPECT_LT((scene.fields[0].shapes.topRows(12) - at_places(modes.shapes.col(1)).reshaped()).norm(), 1e-12);
   EXPECT_EQ(scene.fields[2].shapes.bottomRows(12).norm(), 0.0);
+}
+
+/// The second copy takes the model's mode, the first one the measured shape.
+TEST_F(MastScene, MeasuredAndModelMoveSideBySide) {
+  CorrelatedComparison comparison{.name = "test", .part = study_.structure->finite_elements.front().part};
+  const auto& modes = modes_found(results_).substructures;
+  const auto mast = std::ranges::find(modes, std::string("mast"), &SubstructureModes::name);
+  comparison.correlation.pairs.push_back({.model_mode = 2, .measured_frequency = 3.0, .model_frequency = 2.9});
+  const Eigen::VectorXd mode = mast->shapes.col(1);
+  comparison.correlation.expansion.shapes.push_back({.shape = 0.5 * mode, .model = mode});
+  const Scene scene = side_by_side(comparison).value();
+  EXPECT_TRUE(mistakes_of(scene).empty());
+  const Index once = scene.places.cols() / 2;
+  const MatrixXd apart = scene.places.rightCols(once) - scene.places.leftCols(once);
+  EXPECT_LT((apart.colwise() - apart.col(0)).norm(), 1e-12);
+  EXPECT_GT(apart.col(0).norm(), 0.2);
+  ASSERT_EQ(scene.fields.size(), 1U);
+  const MatrixXd& both = scene.fields[0].shapes;
+  EXPECT_GT(both.norm(), 0.0);
+  EXPECT_LT((both.topRows(3 * once) - 0.5 * both.bottomRows(3 * once)).norm(), 1e-12 * both.norm());
+  comparison.part = nullptr;
+  EXPECT_FALSE(side_by_side(comparison));
 }
 
 }  // namespace

@@ -145,7 +145,7 @@ Section correlation_section(const CorrelationOutcome& outcome) {
   Section section{.heading = "Correlation"};
   for (const auto& each : outcome.comparisons) {
     const auto& found = each.correlation;
-    section.text += sentence(heading(each, outcome.updated)) + ". ";
+    section.text += heading(each, outcome.updated) + ". ";
     for (const auto& mistake : found.mistakes) section.text += "Set-up: " + words_of(mistake) + ". ";
     section.items.emplace_back(correlated_mode_table(found));
     section.items.emplace_back(
@@ -160,7 +160,7 @@ Section correlation_section(const CorrelationOutcome& outcome) {
     add_expanded_shapes(each, section);
     if (!each.placed) continue;
     section.text += "By its coordinates the test is " + fit_words(each.placed->match.fit) + ". ";
-    for (const auto& contradiction : each.placed->contradictions) section.text += sentence(contradiction) + ". ";
+    for (const auto& contradiction : each.placed->contradictions) section.text += capitalised(contradiction) + ". ";
     section.items.emplace_back(point_match_table(each.placed->match, each.part->elements.mesh));
   }
   for (const auto& each : outcome.responses) {
