@@ -162,7 +162,7 @@ ComplexResidual compare(Complex model, const auto& derivatives, Complex measured
 
 }  // namespace
 
-FrfResidual::FrfResidual(std::shared_ptr<const ParameterisedModel> model, std::vector<MeasuredFrf> measured,
+FrfResidual::FrfResidual(std::shared_ptr<const ParameterisedModel> model, const std::vector<MeasuredFrf>& measured,
                          const VectorXd& start, FrfResidualOptions options)
     : options_(std::move(options)) {
   check_measured(measured, options_);

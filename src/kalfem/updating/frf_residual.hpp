@@ -70,7 +70,7 @@ public:
   /// ascend or are not finite, bands without lines or far beyond the model's highest frequency, phases that the form
   /// needs, and measurements that differ from the model at `start` by a unit: by 9.81, by 100 or more either way, or by
   /// a power of omega.
-  FrfResidual(std::shared_ptr<const ParameterisedModel> model, std::vector<MeasuredFrf> measured,
+  FrfResidual(std::shared_ptr<const ParameterisedModel> model, const std::vector<MeasuredFrf>& measured,
               const Eigen::VectorXd& start, FrfResidualOptions options = {});
 
   [[nodiscard]] std::string name() const override { return "frequency responses"; }

@@ -165,7 +165,7 @@ ModalResidual::ModalResidual(std::shared_ptr<const ParameterisedModel> model, st
     : model_(std::move(model)),
       measured_(std::move(measured)),
       points_(std::move(points)),
-      options_(std::move(options)),
+      options_(options),
       references_(measured_.size()) {
   check(measured_, points_.size(), options_);
   for (const auto& mode : measured_) {
