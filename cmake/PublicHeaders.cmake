@@ -17,7 +17,8 @@ set(KALFEM_CORE_HEADERS
     model/gauges/gauge_description.hpp
     model/statics/load_case.hpp # of decks
     modal/identify_modes.hpp modal/merge_setups.hpp modal/modal_options.hpp modal/modal_result.hpp records/spectrum.hpp # modes of a record alone
-    correlation/correlate.hpp correlation/point_match.hpp correlation/setup_mistakes.hpp updating/measured_mode.hpp updating/mode_pairing.hpp # and beside a model
+    correlation/correlate.hpp correlation/expansion_method.hpp correlation/point_match.hpp correlation/response_agreement.hpp correlation/setup_mistakes.hpp
+    correlation/shape_expansion.hpp updating/measured_mode.hpp updating/mode_pairing.hpp # and beside a model
     records/measured_file.hpp records/mode_set.hpp
     records/clock_lag.hpp records/record.hpp records/test_point.hpp reduction/superelement.hpp
     vibration/computed_response.hpp

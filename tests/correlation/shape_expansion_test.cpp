@@ -13,6 +13,7 @@
 
 #include "correlation/tested_structures.hpp"
 #include "kalfem/correlation/correlate.hpp"
+#include "kalfem/correlation/modal_mixing.hpp"
 #include "kalfem/linalg/lowest_modes.hpp"
 
 namespace kalfem {

@@ -35,8 +35,9 @@ if(NOT headers STREQUAL public)
   message(FATAL_ERROR "installed:\n${headers}\npublic (cmake/PublicHeaders.cmake):\n${public}")
 endif()
 list(LENGTH headers count)
-if(count GREATER 79)
-  message(FATAL_ERROR "${count} public headers; at most 74 are a small interface")
+set(most 82)
+if(count GREATER ${most})
+  message(FATAL_ERROR "${count} public headers; at most ${most} are a small interface")
 endif()
 
 run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/headers -B ${WORK}/headers ${configure} -DSOURCE=${SOURCE}

@@ -4,6 +4,8 @@
 #include <Eigen/Dense>
 #include <vector>
 
+#include "kalfem/correlation/shape_expansion.hpp"
+
 namespace kalfem {
 
 /// A measured shape and those of a model at the same entries, both in deviations of the entries (see ShapeErrors).
@@ -11,17 +13,6 @@ struct MatchedShape {
   Eigen::VectorXd measured;  ///< L^-1 y
   Eigen::MatrixXd model;     ///< L^-1 P Phi, entries x modes
   Eigen::Index mode = 0;     ///< column of the mode that it is
-};
-
-/// How measured shapes differ from a model's: as an error of its stiffness lets them, and by noise.
-///
-/// To first order the true shape of mode i mixes those of the model [FK68],
-///     u = a (phi_i + sum_j c_j phi_j),   c_j = phi_j^T dK phi_i / (lambda_i - lambda_j),
-/// and where dK is random, of relative size tau, phi_j^T dK phi_i is of the size tau sqrt(lambda_i lambda_j): the c_j
-/// are taken as normal, with the deviations of mixing_deviations(). The entries are y = P u + noise.
-struct ModalMixing {
-  double stiffness_error = 0.0;  ///< tau
-  double noise = 1.0;            ///< of the entries, in their stated deviations
 };
 
 /// tau / sqrt(tau^2 + g_j^2) with g_j = (lambda_i - lambda_j) / sqrt(lambda_i lambda_j): of two close modes almost 1,

@@ -6,6 +6,8 @@
 #include <complex>
 #include <numbers>
 
+#include "kalfem/updating/frf_residual.hpp"
+
 namespace kalfem {
 
 using Eigen::Index;

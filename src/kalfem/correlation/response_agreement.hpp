@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "kalfem/updating/frf_residual.hpp"
-
 namespace kalfem {
+
+class FrfResidual;
 
 /// A measured frequency response H beside the model's G, over the lines f that are compared.
 struct ResponseAgreement {

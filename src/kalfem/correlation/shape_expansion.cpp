@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "kalfem/correlation/modal_mixing.hpp"
 #include "kalfem/linalg/complex_factor.hpp"
 #include "kalfem/updating/shape_errors.hpp"
 

@@ -6,12 +6,22 @@
 #include <vector>
 
 #include "kalfem/correlation/expansion_method.hpp"
-#include "kalfem/correlation/modal_mixing.hpp"
 #include "kalfem/model/linear_model.hpp"
 #include "kalfem/updating/measured_mode.hpp"
 #include "kalfem/updating/mode_pairing.hpp"
 
 namespace kalfem {
+
+/// How measured shapes differ from a model's: as an error of its stiffness lets them, and by noise.
+///
+/// To first order the true shape of mode i mixes those of the model [FK68],
+///     u = a (phi_i + sum_j c_j phi_j),   c_j = phi_j^T dK phi_i / (lambda_i - lambda_j),
+/// and where dK is random, of relative size tau, phi_j^T dK phi_i is of the size tau sqrt(lambda_i lambda_j): the c_j
+/// are taken as normal, with the deviations of mixing_deviations(). The entries are y = P u + noise.
+struct ModalMixing {
+  double stiffness_error = 0.0;  ///< tau
+  double noise = 1.0;            ///< of the entries, in their stated deviations
+};
 
 /// A measured shape at the degrees of freedom of the model.
 struct ExpandedShape {

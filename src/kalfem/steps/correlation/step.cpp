@@ -10,6 +10,7 @@
 #include "kalfem/steps/run_step.hpp"
 #include "kalfem/steps/updating/outcome.hpp"
 #include "kalfem/study/updating_setup.hpp"
+#include "kalfem/updating/frf_residual.hpp"
 
 namespace kalfem {
 namespace {
