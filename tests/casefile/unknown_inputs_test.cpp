@@ -41,7 +41,6 @@ TEST(UnknownInputs, ForceOfADuffingOscillatorFollowsFromItsMotion) {
   EXPECT_LT(nmse(error_of(results, "body.x", ObservedQuantity::displacement)), 0.5);
   EXPECT_LT(nmse(error_of(results, "body.x", ObservedQuantity::velocity)), 0.5);
   EXPECT_GT(force.coverage.value(), 0.85);
-  EXPECT_LT(results.get<EstimationOutcome>().seconds, 1.0);
 }
 
 TEST(UnknownInputs, EveryFilterFindsTheSameForce) {
