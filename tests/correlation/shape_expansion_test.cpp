@@ -150,6 +150,24 @@ TEST(ShapeExpansion, IntervalsHoldTheTruth) {
   EXPECT_LT(size[ExpansionMethod::model], 0.5 * size[ExpansionMethod::dynamic]);
 }
 
+/// Nothing is stated of the errors; a mode that shares nothing with its pair is left out.
+TEST(ShapeExpansion, NeedsNoStatedErrors) {
+  ExpandedTest given(plate(4, 3), 0.05, 0.01, 12, 4, 4);
+  const auto stated = given.correlated(ExpansionMethod::model).expansion;
+  for (auto& mode : given.measured) mode.shape_deviation = 0.0;
+  const auto found = given.correlated(ExpansionMethod::model).expansion;
+  ASSERT_EQ(found.shapes.size(), 4U);
+  for (std::size_t i = 0; i < found.shapes.size(); ++i) {
+    EXPECT_LT((found.shapes[i].shape - stated.shapes[i].shape).norm(), 1e-12 * stated.shapes[i].shape.norm());
+    EXPECT_TRUE(found.shapes[i].deviation.allFinite());
+  }
+  given.measured[0].shape.setZero();
+  const NormalModes modes = lowest_normal_modes(given.model, {.count = 10});
+  const auto left =
+      expand_shapes({given.measured[0]}, {{.model = 0}}, given.points, given.model, modes, ExpansionMethod::model);
+  EXPECT_TRUE(left.shapes.empty());
+}
+
 /// Shapes that the truth of ModalMixing makes.
 TEST(ModalMixing, FindsTheErrorAndTheNoise) {
   const auto structure = mast(4);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <complex>
 #include <fstream>
 #include <string>
 
@@ -95,6 +96,36 @@ TEST(Compared, AMistakeOfAModalTestIsInVerdictAndSummary) {
   EXPECT_EQ(expansion["method"], "model");
   EXPECT_LT(expansion["modes"][1]["band"].get<double>(), 0.02);
   EXPECT_NEAR(expansion["points"]["2"]["shape"][0].get<double>(), std::sin(2.0 * M_PI / 7.0), 1e-3);
+}
+
+/// Receptances of one mass, with damping of 2 %, in a table; the second case has the column against its direction.
+TEST(Compared, AResponseThatIsTurnedIsInVerdictAndSummary) {
+  const ScratchFolder folder("responses");
+  const auto correlated = [&](double sign) {
+    std::ofstream file(folder.path() / "frf.csv");
+    file << "f,1_re,1_im\n";
+    for (double f = 1.0; f < 10.0; f += 0.05) {
+      const double omega = 2.0 * M_PI * f;
+      const std::complex<double> response =
+          sign / std::complex<double>(1000.0 - omega * omega, 0.04 * std::sqrt(1000.0) * omega);
+      file << f << "," << response.real() << "," << response.imag() << "\n";
+    }
+    file.close();
+    const auto study = test::study_of(
+        "kalfem: 1\nsubstructures:\n  s: {masses: {1: 1 kg}, springs: [{name: k, from: ground, to: 1, stiffness: 1 "
+        "kN/m}], damping: {modal: 2 %}}\nupdate:\n  parameters: {s.k.stiffness: {}}\n  compare:\n    tap: {frf: s, "
+        "inputs: [{force: 1, file: " +
+        (folder.path() / "frf.csv").string() + "}], outputs: [1], quantity: displacement, smoothing: 0 Hz}\n");
+    return summarise(study, run_study(study, "correlate", {}));
+  };
+  const auto right = correlated(1.0), wrong = correlated(-1.0);
+  const auto& response = right["correlation"]["comparisons"]["tap"]["responses"][0];
+  EXPECT_GT(response["frac"].get<double>(), 1.0 - 1e-6);
+  EXPECT_NEAR(response["model_to_measured"].get<double>(), 1.0, 1e-3);
+  EXPECT_NEAR(response["phase_deg"].get<double>(), 0.0, 0.1);
+  EXPECT_TRUE(right["verdict"]["state"].is_null());
+  EXPECT_EQ(wrong["verdict"]["state"], "suspicious");
+  EXPECT_EQ(wrong["verdict"]["reasons"][0]["code"], "setup_mistake");
 }
 
 TEST(Compared, AFailedRunIsUnusableWhateverItDid) {

@@ -20,6 +20,15 @@ using Eigen::VectorXd;
 
 constexpr double least_seen = 1e-2;  ///< combinations of modes of which the sensors see less are left out by SEREP
 
+/// What is stated of the errors; where nothing is, all entries are known alike: their noise is found in any case.
+ShapeErrors errors_of(const MeasuredMode& mode) {
+  constexpr double usual_deviation = 0.05;
+  MeasuredMode stated = mode;
+  if (mode.shape_covariance.size() == 0 && mode.shape_deviations.size() == 0 && !(mode.shape_deviation > 0.0))
+    stated.shape_deviation = usual_deviation;
+  return shape_errors_of(stated, ShapeScale::given);
+}
+
 /// A measured shape with its errors, and the model's at the same entries.
 struct Matched {
   std::size_t measured;
@@ -32,9 +41,10 @@ std::vector<Matched> matched_shapes(const std::vector<MeasuredMode>& measured, c
   std::vector<Matched> matched;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (!pairs[i].model || measured[i].shape.size() == 0) continue;
-    auto errors = shape_errors_of(measured[i], ShapeScale::given);
+    auto errors = errors_of(measured[i]);
     MatchedShape shape{errors.whitened(measured[i].shape), errors.whitened(at_points), *pairs[i].model};
-    if (shape.model.col(shape.mode).squaredNorm() > 0.0) matched.push_back({i, std::move(errors), std::move(shape)});
+    if (std::abs(shape.model.col(shape.mode).dot(shape.measured)) > 0.0)  // otherwise they share nothing
+      matched.push_back({i, std::move(errors), std::move(shape)});
   }
   return matched;
 }

@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "kalfem/page/json_number.hpp"
 #include "kalfem/page/words.hpp"
 #include "kalfem/pictures/heat_map.hpp"
-#include "kalfem/steps/correlation/agreement_report.hpp"
 #include "kalfem/steps/correlation/expanded_shapes.hpp"
 #include "kalfem/steps/correlation/point_match_words.hpp"
 
@@ -56,6 +56,26 @@ Json json_of(const CorrelatedComparison& each) {
           {"auto_mac", rows_of(correlation.auto_mac)},
           {"orthogonality", correlation.orthogonality.size() > 0 ? rows_of(correlation.orthogonality) : Json()},
           {"expansion", expansion_json(each)}};
+}
+
+double degrees(double angle) { return angle * 180.0 / std::numbers::pi; }
+
+Json json_of(const std::vector<ResponseAgreement>& responses) {
+  Json all = Json::array();
+  for (const auto& each : responses)
+    all.push_back({{"response", each.name},
+                   {"frac", number(each.frac)},
+                   {"model_to_measured", number(each.size)},
+                   {"phase_deg", each.phase ? number(degrees(*each.phase)) : Json()}});
+  return all;
+}
+
+Table agreement_table(const CorrelatedResponses& compared) {
+  Table table{"Responses of '" + compared.name + "'", {"response", "FRAC", "model / measured", "phase [deg]"}, {}, {}};
+  for (const auto& each : compared.responses)
+    table.rows.push_back({each.name, fmt::format("{:.3f}", each.frac), fmt::format("{:.3g}", each.size),
+                          each.phase ? fmt::format("{:.0f}", degrees(*each.phase)) : "-"});
+  return table;
 }
 
 Picture picture(const std::string& title, const std::string& caption, const Eigen::MatrixXd& values,
