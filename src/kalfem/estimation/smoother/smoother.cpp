@@ -11,7 +11,8 @@
 #include "kalfem/estimation/filter_setup.hpp"
 #include "kalfem/estimation/history_keeper.hpp"
 #include "kalfem/estimation/narrow_prior.hpp"
-#include "kalfem/estimation/smoother/adjoint.hpp"
+#include "kalfem/estimation/smoother/smoothed_outputs.hpp"
+#include "kalfem/estimation/smoother/step_linearisation.hpp"
 
 namespace kalfem {
 
@@ -22,13 +23,6 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr Index fewest_in_segment = 4;
-
-ArgumentTransform transform_of(const EstimationOptions& options) {
-  if (options.filter == FilterKind::extended) return ArgumentTransform::linearised();
-  UnscentedOptions of_arguments = options.unscented;
-  of_arguments.points = SigmaPoints::of_arguments;
-  return ArgumentTransform(of_arguments);
-}
 
 /// A model about one point of linearisation with the constants that the smoother needs of it.
 struct SmootherModel {
@@ -65,7 +59,7 @@ public:
         options_(options),
         filtered_(filtered),
         linear_unknowns_(linear_unknowns(augmented_model.options())),
-        moments_(transform_of(options)),
+        linearisation_(options),
         noise_(augmented_model, input.noise, filtered.noise) {}
 
   /// The update at the first sample from the prior; nothing where it fails.
@@ -100,8 +94,8 @@ public:
     noise_.before_prediction(k, setup);
     if (predict_to(k, input_, setup) != FilterOutcome::usable) return false;
     if (step) {
-      if (!moments_of(setup.transition, before)) return false;
-      step->transition = {model_->transition, moments_.slopes() * setup.transition.gain().transpose()};
+      step->transition.map = model_->transition;
+      if (!linearisation_.linearise_prediction(setup, before, step->transition)) return false;
     }
     return update(k, step);
   }
@@ -110,12 +104,6 @@ private:
   void replace_model(std::shared_ptr<FilterSetup> setup) {
     model_ = std::make_shared<SmootherModel>(std::move(setup));
     noise_.forget_setup();
-  }
-
-  bool moments_of(PartiallyLinearMap& map, const Gaussian& estimate) {
-    const MatrixXd& N = map.selection();
-    const MatrixXd selected = N * estimate.covariance;
-    return moments_.evaluate(map, N * estimate.mean + map.input_offset(), selected * N.transpose());
   }
 
   bool update(Index k, SmootherStep* step) {
@@ -128,27 +116,9 @@ private:
     if (step) {
       step->model = model_;
       step->estimate = {setup.filter->mean(), setup.filter->covariance()};
-      if (!set_measurement(innovation_.relinearised ? step->estimate : predicted, step->measurement)) return false;
+      if (!linearisation_.linearise_update(setup, predicted, innovation_, step->measurement)) return false;
     }
     return relinearise(k, step);
-  }
-
-  /// `about`: the estimate about which the update linearised the measurement.
-  bool set_measurement(const Gaussian& about, LinearisedMeasurement& measurement) {
-    auto& setup = *model_->setup;
-    const auto& channels = innovation_.channels;
-    const Index n = about.mean.size(), l = std::ssize(channels);
-    measurement = {MatrixXd(0, n), MatrixXd(n, 0), MatrixXd(0, n), VectorXd()};
-    if (l == 0) return true;
-    auto& map = setup.measurement;
-    if (!moments_of(map, about)) return false;
-    measurement.output = map.linear()(channels, Eigen::all);
-    measurement.output += map.gain()(channels, Eigen::all) * (moments_.slopes().transpose() * map.selection());
-    measurement.gain = setup.filter->gain();
-    const Eigen::LLT<MatrixXd> factor(innovation_.conditioned_covariance());
-    measurement.weighted = factor.solve(measurement.output);
-    measurement.innovation = factor.solve(innovation_.conditioned_value());
-    return true;
   }
 
   /// As the filter did there.
@@ -172,7 +142,7 @@ private:
   const EstimationOptions& options_;
   const EstimationResult& filtered_;
   std::vector<Index> linear_unknowns_;
-  ArgumentMoments moments_;
+  StepLinearisation linearisation_;
   NoiseReplay noise_;
   std::shared_ptr<SmootherModel> model_;
   LinearEstimate linearised_about_;
@@ -188,7 +158,7 @@ public:
         input_(input),
         options_(options),
         constants_(constant_states(augmented_model)),
-        moments_(transform_of(options)) {
+        moments_(argument_transform_of(options)) {
     const auto series = [&](Index rows) {
       const MatrixXd empty = MatrixXd::Constant(rows, input.measured.samples(), std::nan(""));
       return EstimatedSeries{empty, empty};
@@ -201,11 +171,10 @@ public:
   }
 
   bool store(Index k, const SmootherStep& step, const Adjoint& adjoint) {
-    const VectorXd mean = step.estimate.mean + step.estimate.covariance * adjoint.vector;
-    record_.state.mean.col(k) = step.model->setup->augmented_model->physical(mean);
+    record_.state.mean.col(k) = step.model->setup->augmented_model->physical(smoothed_mean(step.estimate, adjoint));
     store_deviations(k, step, adjoint);
     store_unknowns(k);
-    return options_.monitored.size() == 0 || store_monitored(k, mean, step, adjoint);
+    return options_.monitored.size() == 0 || store_monitored(k, step, adjoint);
   }
 
   /// Deviations of monitored quantities stand from one computed sample to the next, as the filter's do.
@@ -217,19 +186,14 @@ public:
   }
 
 private:
-  /// R P_s R^T with P_s = P - P Lambda P.
-  static MatrixXd projected(const MatrixXd& rows, const SmootherStep& step, const Adjoint& adjoint) {
-    const MatrixXd products = rows * step.estimate.covariance;
-    return products * rows.transpose() - products * adjoint.matrix * products.transpose();
-  }
-
   void store_deviations(Index k, const SmootherStep& step, const Adjoint& adjoint) {
     const auto& layout = augmented_model_.layout();
     const Index n = layout.size();
     const Index first = options_.state_deviations ? 0 : layout.linear;
     const Index count = options_.state_deviations ? n : layout.connector_states + layout.unknowns;
     if (count == 0) return;
-    MatrixXd covariance = projected(MatrixXd::Identity(n, n).middleRows(first, count), step, adjoint);
+    MatrixXd covariance =
+        smoothed_covariance(MatrixXd::Identity(n, n).middleRows(first, count), step.estimate, adjoint);
     if (options_.state_deviations) covariance = step.model->setup->augmented_model->physical_covariance(covariance);
     record_.state.deviation.col(k).segment(first, count) = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
   }
@@ -244,25 +208,14 @@ private:
     }
   }
 
-  /// mean(y) = A x + G mean(phi) + b and the diagonal of P_yy = A P A^T + T G^T + G T^T, T = A P_xphi + G P_phi / 2.
-  bool store_monitored(Index k, const VectorXd& mean, const SmootherStep& step, const Adjoint& adjoint) {
+  bool store_monitored(Index k, const SmootherStep& step, const Adjoint& adjoint) {
     auto& map = *step.model->setup->monitored;
     map.set_inputs(input_.inputs.col(k * input_.input_stride(augmented_model_.options().instants())));
-    if (map.moving_gain() > 0) map.set_mean(mean);
-    const MatrixXd &A = map.linear(), &N = map.selection(), &G = map.gain();
     const bool anew = k % options_.deviation_stride == 0;
-    MatrixXd rows(N.rows() + (anew ? A.rows() : 0), N.cols());
-    rows.topRows(N.rows()) = N;
-    if (anew) rows.bottomRows(A.rows()) = A;
-    const MatrixXd covariance = projected(rows, step, adjoint);
-    const Index q = N.rows();
-    if (!moments_.evaluate(map, N * mean + map.input_offset(), covariance.topLeftCorner(q, q))) return false;
-    record_.monitored.mean.col(k) = A * mean + G * moments_.mean() + map.offset();
+    if (!smooth_outputs(map, step.estimate, adjoint, moments_, outputs_, anew ? &deviations_ : nullptr)) return false;
+    record_.monitored.mean.col(k) = outputs_;
     if (!anew) return true;
-    const MatrixXd force =
-        covariance.bottomLeftCorner(A.rows(), q) * moments_.slopes() + 0.5 * G * moments_.covariance();
-    const VectorXd variance = covariance.diagonal().tail(A.rows()) + 2.0 * force.cwiseProduct(G).rowwise().sum();
-    record_.monitored.deviation.col(k) = variance.cwiseMax(0.0).cwiseSqrt();
+    record_.monitored.deviation.col(k) = deviations_;
     if (options_.excess.size() > 0) store_excess(k, step, adjoint);
     return true;
   }
@@ -283,6 +236,7 @@ private:
   const EstimationOptions& options_;
   std::vector<Index> constants_;
   ArgumentMoments moments_;
+  VectorXd outputs_, deviations_;
   SmoothedRecord record_;
 };
 
