@@ -240,17 +240,32 @@ private:
   Mode mode_ = Mode::none;
 };
 
+py::dict entry_of(const std::string& unit, const PresentEstimate& now, double lower, double upper) {
+  py::dict entry;
+  entry["estimate"] = now.mean;
+  entry["std"] = now.std;
+  entry["interval_95"] = py::make_tuple(lower, upper);
+  entry["unit"] = unit;
+  return entry;
+}
+
 py::dict parameters_of(PythonFilter& self) {
   py::dict all;
-  for (const auto& each : self.filter().parameters()) {
-    py::dict entry;
-    entry["estimate"] = each.mean;
-    entry["std"] = each.std;
-    entry["interval_95"] = py::make_tuple(each.interval_95.lower, each.interval_95.upper);
-    entry["unit"] = each.unit;
-    all[py::str(each.name)] = entry;
-  }
+  for (const auto& each : self.filter().parameters())
+    all[py::str(each.name)] =
+        entry_of(each.unit, {each.mean, each.std}, each.interval_95.lower, each.interval_95.upper);
   return all;
+}
+
+/// (time, parameters, states); None without a lag and before the first sample.
+py::object smoothed_of(PythonFilter& self) {
+  const auto found = without_gil([&] { return self.filter().smoothed(); });
+  if (!found) return py::none();
+  py::dict parameters, states;
+  for (const auto& each : found->parameters)
+    parameters[py::str(each.name)] = entry_of(each.unit, {each.mean, each.std}, each.lower, each.upper);
+  for (const auto& [name, each] : found->outputs) states[py::str(name)] = py::make_tuple(each.mean, each.std);
+  return py::make_tuple(found->time, parameters, states);
 }
 
 py::list events_of(PythonFilter& self) {
@@ -298,19 +313,21 @@ py::tuple consistency_of(PythonFilter& self) {
 void bind_filter(py::module_& module) {
   py::class_<PythonFilter>(module, "Filter", "A filter that is moved by its caller: see kalfem.Filter.")
       .def(py::init([](const Structure& structure, double sample_rate, const py::dict& arguments, double start,
-                       double horizon, int input_delay, int window, const py::object& gates, const py::object& changes,
-                       const py::dict& covariates) {
+                       double horizon, int input_delay, int window, int lag, const py::object& gates,
+                       const py::object& changes, const py::dict& covariates) {
              refuse_relative_noise(arguments["sensors"]);
              const LiveOptions live{.start = start,
                                     .horizon = horizon,
                                     .filter = {.input_delay = input_delay,
                                                .window = window,
+                                               .lag = lag,
                                                .gates = gates_of(gates),
                                                .changes = changes_of(changes, covariates)}};
              return std::make_unique<PythonFilter>(structure, sample_rate, options_of(structure, arguments), live);
            }),
            py::arg("structure"), py::arg("sample_rate"), py::arg("arguments"), py::arg("start"), py::arg("horizon"),
-           py::arg("input_delay"), py::arg("window"), py::arg("gates"), py::arg("changes"), py::arg("covariates"))
+           py::arg("input_delay"), py::arg("window"), py::arg("lag"), py::arg("gates"), py::arg("changes"),
+           py::arg("covariates"))
       .def("predict", &PythonFilter::predict, py::arg("u") = py::none(), R"(Move to the next sample.
 
 Parameters
@@ -383,6 +400,7 @@ int
       .def("state", &PythonFilter::state, py::arg("name"),
            "Mean and standard deviation of ``body.2.displacement``, ``body.2.velocity``, or an output.")
       .def("_parameters", &parameters_of)
+      .def("_smoothed", &smoothed_of)
       .def_property_readonly(
           "time", [](PythonFilter& self) { return self.filter().time(); },
           "Of the sample at which the filter stands, the first one at 0 [s].")

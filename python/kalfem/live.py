@@ -20,6 +20,14 @@ class Estimate(NamedTuple):
     std: float
 
 
+class Smoothed(NamedTuple):
+    """The estimate of an earlier sample from all samples so far; `time` counts from the first one [s]."""
+
+    time: float
+    parameters: Parameters
+    states: dict[str, Estimate]
+
+
 class Consistency(NamedTuple):
     """Normalised innovations squared (NIS) of a window of samples."""
 
@@ -92,6 +100,9 @@ class Filter(core.Filter):
         the estimates.
     window : int
         Latest samples by which `usable` and `verdict` judge.
+    lag : int
+        Samples N by which the estimates of `smoothed` stay behind the filter. They cost N backward steps each time they
+        are asked for, and 8 N n^2 bytes for n states. 0: none.
     gates : bool or dict
         Leave sensors out that lie, and take them again: see `events` and `condition`. A dictionary gives other numbers
         than the usual ones: ``limit``, ``warm_up``, ``memory``, ``suspend_after``, ``stuck``, ``patience``,
@@ -140,6 +151,7 @@ class Filter(core.Filter):
         horizon: float = 10.0,
         input_delay: int = 8,
         window: int = 2000,
+        lag: int = 0,
         gates: bool | Mapping[str, float] = False,
         changes: bool | Mapping[str, Any] = False,
     ):
@@ -158,12 +170,31 @@ class Filter(core.Filter):
         watched = dict(changes) if isinstance(changes, Mapping) else {} if changes else None
         covariates = dict(watched.pop("covariates", {})) if watched else {}
         super().__init__(
-            structure, sample_rate, arguments, start, horizon, input_delay, window, chosen, watched, covariates
+            structure, sample_rate, arguments, start, horizon, input_delay, window, lag, chosen, watched, covariates
         )
 
     def state(self, name: str) -> Estimate:
         """Mean and standard deviation now of ``body.2.displacement``, ``body.2.velocity``, or an output."""
         return Estimate(*super().state(name))
+
+    @property
+    def smoothed(self) -> Smoothed | None:
+        """The estimate of sample k - `lag` from all samples up to k, where the filter stands; None without a lag.
+
+        With the filter's estimate x, P of that sample, x_s = x + P lambda and P_s = P - P Lambda P, where lambda and
+        Lambda follow from the later samples (fixed-interval smoother in the form of Bryson and Frazier, 1963). `states`
+        has the names of :meth:`state`. Until `lag` samples have come, and until so many have passed after the filter
+        has widened its deviations or begun anew, it is the estimate of the first one.
+        """
+        found = self._smoothed()
+        if found is None:
+            return None
+        time, parameters, states = found
+        return Smoothed(
+            time,
+            Parameters(Parameter.from_summary(*item) for item in parameters.items()),
+            {name: Estimate(*each) for name, each in states.items()},
+        )
 
     @property
     def verdict(self) -> Verdict:

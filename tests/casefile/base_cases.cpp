@@ -613,6 +613,7 @@ live:
   horizon: 1 s
   input_delay: 8
   window: 1000
+  lag: 20
   gated: true
   gates: {limit: 6, warm_up: 500, memory: 100, suspend_after: 5, stuck: 8, patience: 1000, inflation: 10, silence: 100, most_events: 50}
   every: 1 s

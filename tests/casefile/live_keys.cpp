@@ -28,9 +28,11 @@ void units_of_the_stream() {
 }
 
 void options_of_the_filter() {
-  const auto plan = plan_of(", input_delay: 3, window: 700");
+  const auto plan = plan_of(", input_delay: 3, window: 700, lag: 40");
   EXPECT_EQ(plan.options.filter.input_delay, 3);
   EXPECT_EQ(plan.options.filter.window, 700);
+  EXPECT_EQ(plan.options.filter.lag, 40);
+  EXPECT_EQ(plan_of("").options.filter.lag, 0);
   EXPECT_TRUE(plan.options.filter.gates.has_value());
   EXPECT_FALSE(plan_of(", gated: false").options.filter.gates.has_value());
 }
@@ -108,7 +110,7 @@ KeyChecks live_keys() {
   };
   add("live.", {"sample_rate", "start", "horizon", "every"}, rate_and_times);
   add("live.", {"unit"}, units_of_the_stream);
-  add("live.", {"input_delay", "window", "gated"}, options_of_the_filter);
+  add("live.", {"input_delay", "window", "lag", "gated"}, options_of_the_filter);
   add("live.gates.",
       {"limit", "warm_up", "memory", "suspend_after", "stuck", "patience", "inflation", "silence", "most_events"},
       gates);

@@ -21,6 +21,17 @@ TEST(InfluxLines, TellsEstimatesAndLeavesOutWhatIsNoNumber) {
             "kalfem_output,case=my\\ car,output=body.b.displacement mean=0.25,std=0.5 1500000000\n");
 }
 
+TEST(InfluxLines, TellsSmoothedEstimatesAtTheirTime) {
+  std::string smoothed = estimates;
+  smoothed.insert(
+      smoothed.size() - 1,
+      R"(,"smoothed":{"t":1.25,"parameters":{"k":{"estimate":2,"std":0.5,"unit":"N/m"}},"outputs":{"wind":{"mean":3,"std":1}}})");
+  EXPECT_EQ(influx_lines(MessageKind::estimates, smoothed, "car"),
+            influx_lines(MessageKind::estimates, estimates, "car") +
+                "kalfem_parameter_smoothed,case=car,parameter=k,unit=N/m estimate=2,std=0.5 1250000000\n"
+                "kalfem_output_smoothed,case=car,output=wind mean=3,std=1 1250000000\n");
+}
+
 TEST(InfluxLines, TellsAlarms) {
   EXPECT_EQ(
       influx_lines(MessageKind::alarm,

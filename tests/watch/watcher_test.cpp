@@ -102,26 +102,81 @@ TEST(Watcher, SaysTheSameWhateverTheBlocks) {
   EXPECT_TRUE(first["outputs"]["body.b.displacement"]["std"].is_number());
 }
 
-TEST(Watcher, GoesOnWithTheSameBitsAfterARestart) {
+class WatcherRestart : public testing::TestWithParam<std::string> {};
+
+TEST_P(WatcherRestart, GivesTheSameBits) {
   const ScratchFolder folder("watch_restart");
   auto lines = lines_of(published(), 10);
   lines.insert(lines.begin() + 100, "nonsense");
-  Watched whole;
+  Watched whole(live(GetParam()));
   whole.take(lines);
   std::mt19937 random(2);
   std::vector<std::string> said;
-  auto parted = std::make_unique<Watched>();
+  auto parted = std::make_unique<Watched>(live(GetParam()));
   for (const auto& line : lines) {
     if (random() % 100 == 0) {
       write_state_file(folder / "state", parted->watcher.fingerprint(), parted->watcher);
       said.insert(said.end(), parted->said.begin(), parted->said.end());
-      parted = std::make_unique<Watched>();
+      parted = std::make_unique<Watched>(live(GetParam()));
       read_state_file(folder / "state", parted->watcher.fingerprint(), parted->watcher);
     }
     parted->watcher.take(line);
   }
   said.insert(said.end(), parted->said.begin(), parted->said.end());
   EXPECT_EQ(said, whole.said);
+}
+
+INSTANTIATE_TEST_SUITE_P(Lags, WatcherRestart, testing::Values("", "lag: 25"));
+
+TEST(Watcher, TellsSmoothedEstimatesInWhateverOrderTheLinesCome) {
+  Watched one(live("lag: 25")), mixed(live("lag: 25"));
+  auto lines = lines_of(published(), 10);
+  one.take(lines);
+  std::mt19937 random(5);
+  for (std::size_t i = 0; i + 8 <= lines.size(); i += 8)  // 0.16 s, within the horizon
+    std::shuffle(lines.begin() + long(i), lines.begin() + long(i) + 8, random);
+  mixed.take(lines);
+  const Json last = one.last();
+  const Json& smoothed = last["smoothed"];
+  EXPECT_NEAR(smoothed["t"].get<double>(), last["t"].get<double>() - 25.0 / quarter_car::rate, 1e-9);
+  EXPECT_NEAR(smoothed["parameters"]["strut.k3"]["estimate"].get<double>(), one.estimate(), 1e-6 * one.std());
+  EXPECT_LT(smoothed["outputs"]["body.b.displacement"]["std"].get<double>(),
+            0.95 * last["outputs"]["body.b.displacement"]["std"].get<double>());
+  EXPECT_EQ(mixed.last()["smoothed"], smoothed);
+  EXPECT_FALSE(Watched().last().contains("smoothed"));
+}
+
+/// A road that was not measured: the structure with a stiff sensor of the wheel's motion.
+std::string unknown_road(const std::string& more) {
+  std::string text = live(more, R"(
+  wheel: {acceleration: wheel.w, noise: 0.05 m/s^2}
+  body: {acceleration: body.b, noise: 0.02 m/s^2})");
+  const std::string given = "file: live, channel: road", assumed = "unknown: {std: 8 mm, correlation_time: 50 ms}";
+  text.replace(text.find(given), given.size(), assumed);
+  text.erase(text.find("estimate:"));
+  return text + "estimate: {}\n";
+}
+
+TEST(Watcher, EstimatesAnUnknownRoadAndNarrowsItsBandByALag) {
+  Watched watched(unknown_road("lag: 25"));
+  Playback playback = published();
+  playback.channels.pop_back();
+  watched.take(lines_of(playback, 10));
+  EXPECT_TRUE(watched.complaints.empty());
+  double now = 0.0, later = 0.0;
+  int told = 0;
+  for (const auto& line : watched.said) {
+    const Json each = Json::parse(line);
+    const Json &present = each["outputs"]["road"], &smoothed = each["smoothed"]["outputs"]["road"];
+    const auto sample = std::lround(each["smoothed"]["t"].get<double>() * quarter_car::rate);
+    EXPECT_LT(std::abs(smoothed["mean"].get<double>() - road()[sample]), 5.0 * smoothed["std"].get<double>());
+    now += present["std"].get<double>();
+    later += smoothed["std"].get<double>();
+    ++told;
+  }
+  ASSERT_GT(told, 30);
+  std::cout << "std of the road: " << 1e3 * now / told << " mm now, " << 1e3 * later / told << " mm later\n";
+  EXPECT_LT(later, 0.8 * now);
 }
 
 TEST(Watcher, TellsBadLinesAndGoesOn) {

@@ -78,6 +78,7 @@ PresentEstimate OnlineFilter::parameter(const std::string& name) const {
 }
 
 PresentEstimate OnlineFilter::state(const std::string& name) { return steps_->loop().observe(name); }
+std::optional<SmoothedEstimate> OnlineFilter::smoothed() { return steps_->loop().smoothed(); }
 const VectorXd& OnlineFilter::innovation() const { return steps_->loop().innovation(); }
 double OnlineFilter::nis() const { return steps_->loop().nis(); }
 

@@ -10,6 +10,7 @@
 #include "kalfem/api/estimate.hpp"
 #include "kalfem/estimation/consistency.hpp"
 #include "kalfem/live/online_options.hpp"
+#include "kalfem/live/smoothed_estimate.hpp"
 
 namespace kalfem {
 
@@ -102,6 +103,12 @@ public:
   /// "body.2.displacement", "body.2.velocity", or an output that was asked for. Throws InvalidInput where there is
   /// none.
   [[nodiscard]] PresentEstimate state(const std::string& name);
+  /// With OnlineOptions::lag = N: parameters, motions and outputs of sample k - N given all samples up to k, where the
+  /// filter stands, with their standard deviations. It is what the fixed-interval smoother gives of that sample over
+  /// the record that ends with sample k (docs/theory/smoother.md). Until N samples have come, and until N have passed
+  /// after the filter has widened its deviations or begun anew, it is that of the first one. Costs N backward steps.
+  /// Nothing without a lag, and before the first sample.
+  [[nodiscard]] std::optional<SmoothedEstimate> smoothed();
   /// Of the last update: measured minus predicted, and its normalised square. Not a number before the first one.
   [[nodiscard]] const Eigen::VectorXd& innovation() const;
   [[nodiscard]] double nis() const;

@@ -41,6 +41,7 @@ struct Live {
   double horizon = 2.0;         ///< by so much later than another channel may a channel come [s]
   int input_delay = 8;          ///< samples by which the filter stays behind its inputs
   int window = 2000;            ///< samples of the verdict
+  int lag = 0;                  ///< samples by which the smoothed estimates stay behind the filter
   bool gated = true;            ///< sensors that lie are left out
   GateOptions gates = {};
   double every = 1.0;                          ///< of the stream, between two lines of estimates [s]

@@ -117,6 +117,9 @@ Schema<Live> live() {
           .optional("input_delay", &Live::input_delay, integer(0, 1000),
                     "samples by which the filter stays behind its inputs, whose spline needs later ones")
           .optional("window", &Live::window, integer(100, 10'000'000), "latest samples by which the verdict is formed")
+          .optional("lag", &Live::lag, integer(0, 100'000),
+                    "samples by which smoothed estimates stay behind the filter: of each sample from so many later "
+                    "ones; 0: none")
           .optional("gated", &Live::gated, boolean(), "leave sensors out that lie, and take them again")
           .optional("gates", &Live::gates, gates(), "when that is done")
           .optional("alarms", &Live::alarms, located(alarms()),

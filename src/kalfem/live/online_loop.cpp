@@ -8,6 +8,7 @@
 
 #include "kalfem/base/resumable.hpp"
 #include "kalfem/identification/filter_run.hpp"
+#include "kalfem/identification/unknown_inputs.hpp"
 #include "kalfem/live/three_digits.hpp"
 
 namespace kalfem {
@@ -42,6 +43,8 @@ Eigen::MatrixXd without_negative_directions(const Eigen::MatrixXd& covariance) {
   return root * root.transpose();
 }
 
+bool is_physical(const AugmentedModel& model) { return model.options().coordinates == StateCoordinates::physical; }
+
 std::vector<Index> every_channel(Index count) {
   std::vector<Index> all(static_cast<std::size_t>(count));
   std::iota(all.begin(), all.end(), Index{0});
@@ -56,13 +59,13 @@ std::vector<GatedSensor> gated_sensors(const std::vector<Sensor>& sensors) {
 
 }  // namespace
 
-OnlineLoop::OnlineLoop(FilterProblem problem, Index window, const std::optional<GateOptions>& gates)
+OnlineLoop::OnlineLoop(FilterProblem problem, const OnlineOptions& options)
     : made_(std::move(problem)),
       step_(1.0 / made_.problem->sample_rate),
       nis_(not_a_number),
-      window_(made_.setup.sensors, made_.problem->sample_rate, window),
-      gates_(gates.value_or(GateOptions{})),
-      gated_(gates.has_value()),
+      window_(made_.setup.sensors, made_.problem->sample_rate, options.window),
+      gates_(options.gates.value_or(GateOptions{})),
+      gated_(options.gates.has_value()),
       gate_(gates_, gated_sensors(made_.setup.sensors)) {
   const FilterRun run =
       make_filter_run(made_.problem, made_.setup, no_record(made_.problem->sample_rate, made_.setup.sensors));
@@ -71,11 +74,14 @@ OnlineLoop::OnlineLoop(FilterProblem problem, Index window, const std::optional<
   options_.filter = run.choice.filter;
   options_.unscented = made_.problem->settings.unscented;
   options_.threads = filter_threads(made_.problem->settings);
-  options_.monitored = make_outputs(*made_.setup.model, made_.monitored);
+  options_.monitored = with_inputs(make_outputs(*made_.setup.model, made_.monitored),
+                                   held_by(made_.problem->settings.unknown_inputs, made_.setup), *made_.setup.model);
   linear_unknowns_ = linear_unknowns(model_->options());
   setup_ = std::make_unique<FilterSetup>(model_, noise_, options_);
   setup_->filter->reset(model_->prior());
   linearised_about_ = linear_estimate(true);
+  lag_ = FixedLag(options.lag, model_->layout().size(), options_);
+  lag_.use(place(), *setup_);
   last_consistent_ = LastConsistent(*model_, model_->prior());
   inputs_ = run.input.inputs.col(0);
   innovation_ = VectorXd::Constant(noise_.rows(), not_a_number);
@@ -88,10 +94,16 @@ bool OnlineLoop::move(const SetInputs& set_inputs, const VectorXd& next) {
   const bool moved = went_on([&] {
     set_inputs();
     if (!linear_unknowns_.empty()) setup_->transition.set_mean(setup_->filter->mean());
+    lag_.before_prediction(*setup_);
     return setup_->filter->predict();
   });
   inputs_ = next;
-  return moved;
+  if (!moved) return false;
+  if (changed_ == sample_)
+    lag_.begin(*setup_, sample_, inputs_);
+  else
+    lag_.after_prediction(*setup_, sample_, inputs_);
+  return true;
 }
 
 bool OnlineLoop::move_to(const VectorXd& inputs) {
@@ -119,11 +131,13 @@ bool OnlineLoop::update(const VectorXd& measured) {
       gate_channels(measured);
       gated = true;
     }
+    lag_.before_update(*setup_);
     return setup_->filter->update(taken_, innovation);
   };
   const long changed_before = changed_;
   if (!went_on(condition)) return false;
   if (changed_ != changed_before) return true;  // it has begun anew
+  lag_.after_update(*setup_, innovation, sample_, inputs_);
   const bool judged = window_.add(time(), innovation);
   if (judged || gate_.changes() != seen_changes_) renew_verdict();
   if (gated_ && gate_.blames_filter())
@@ -192,6 +206,7 @@ void OnlineLoop::was_changed(FilterEventKind how, const std::string& text) {
   changed_ = sample_;
   was_consistent_ = false;
   unusable_ = 0;
+  lag_.begin(*setup_, sample_, inputs_);
   gate_.filter_was_changed(time(), how, text);
 }
 
@@ -213,9 +228,12 @@ FilterCondition OnlineLoop::condition() const {
 }
 
 PresentParameter OnlineLoop::parameter(std::size_t i) const {
-  const auto& unknown = model_->options().unknowns[i];
   const Index row = model_->layout().unknown() + static_cast<Index>(i);
-  const double state = setup_->filter->mean()[row], deviation = setup_->filter->standard_deviation()[row];
+  return parameter_of(i, setup_->filter->mean()[row], setup_->filter->standard_deviation()[row]);
+}
+
+PresentParameter OnlineLoop::parameter_of(std::size_t i, double state, double deviation) const {
+  const auto& unknown = model_->options().unknowns[i];
   const auto interval = confidence_interval(unknown.transform, state, deviation);
   return {.name = unknown.name,
           .unit = unknown.unit,
@@ -225,20 +243,32 @@ PresentParameter OnlineLoop::parameter(std::size_t i) const {
           .upper = interval.upper};
 }
 
+std::optional<SmoothedEstimate> OnlineLoop::smoothed() {
+  const auto* found = lag_.smoothed();
+  if (!found) return {};
+  SmoothedEstimate smoothed{.time = static_cast<double>(found->sample) * step_};
+  for (std::size_t i = 0; i < unknowns(); ++i) {
+    const auto row = static_cast<Index>(i);
+    smoothed.parameters.push_back(parameter_of(i, found->unknowns[row], found->unknowns_deviation[row]));
+  }
+  Index row = 0;
+  for (const auto& name : options_.monitored.names) {
+    smoothed.outputs.push_back({name, {found->outputs[row], found->outputs_deviation[row]}});
+    ++row;
+  }
+  return smoothed;
+}
+
 Gaussian OnlineLoop::unknown_states() const {
   const Index first = model_->layout().unknown(), count = model_->layout().unknowns;
   return {setup_->filter->mean().segment(first, count),
           Eigen::MatrixXd(setup_->filter->covariance()).block(first, first, count, count)};
 }
 
-std::vector<std::string> OnlineLoop::observed() const {
-  std::vector<std::string> names;
-  for (const auto& each : made_.monitored) names.push_back(each.name);
-  return names;
-}
+std::vector<std::string> OnlineLoop::observed() const { return options_.monitored.names; }
 
 std::vector<PresentEstimate> OnlineLoop::observe_all() {
-  std::vector<PresentEstimate> all(made_.monitored.size(), {not_a_number, not_a_number});
+  std::vector<PresentEstimate> all(options_.monitored.names.size(), {not_a_number, not_a_number});
   if (all.empty()) return all;
   auto& monitored = *setup_->monitored;
   monitored.set_inputs(inputs_);
@@ -257,9 +287,7 @@ PresentEstimate OnlineLoop::observe(const std::string& name) {
   return observe_all()[static_cast<std::size_t>(found - known.begin())];
 }
 
-bool OnlineLoop::in_physical_coordinates() const {
-  return setup_->augmented_model->options().coordinates == StateCoordinates::physical;
-}
+bool OnlineLoop::in_physical_coordinates() const { return is_physical(*setup_->augmented_model); }
 
 template <class Step>
 bool OnlineLoop::went_on(const Step& step) {
@@ -281,21 +309,35 @@ bool OnlineLoop::use_physical_coordinates() {
   const Gaussian here{now.physical(setup_->filter->mean()),
                       without_negative_directions(now.physical_covariance(setup_->filter->covariance()))};
   if (!here.mean.allFinite() || !here.covariance.allFinite()) return false;
-  make_physical_model();
+  model_ = run_start_model(true);
   setup_ = std::make_unique<FilterSetup>(about_the_estimate(), noise_, options_);
   setup_->filter->reset(here);
+  lag_.use(place(), *setup_);
   return true;
 }
 
-void OnlineLoop::make_physical_model() {
-  model_ = make_filter_run(made_.problem, made_.setup, no_record(made_.problem->sample_rate, made_.setup.sensors),
-                           StateCoordinates::physical)
-               .choice.augmented_model;
+/// The model with which the run started, or would have in physical coordinates.
+std::shared_ptr<const AugmentedModel> OnlineLoop::run_start_model(bool physical) const {
+  return make_filter_run(made_.problem, made_.setup, no_record(made_.problem->sample_rate, made_.setup.sensors),
+                         physical ? std::optional(StateCoordinates::physical) : std::nullopt)
+      .choice.augmented_model;
 }
 
 std::shared_ptr<const AugmentedModel> OnlineLoop::about_the_estimate() const {
   if (linear_unknowns_.empty()) return model_;
   return std::make_shared<const AugmentedModel>(model_->about(linearised_about_.values, linearised_about_.deviations));
+}
+
+ModelPlace OnlineLoop::place() const {
+  return {in_physical_coordinates(), setup_->augmented_model != model_, linearised_about_};
+}
+
+std::shared_ptr<const AugmentedModel> OnlineLoop::model_at(const ModelPlace& place) const {
+  const auto& [physical, relinearised, about] = place;
+  const auto start = physical == is_physical(*model_) ? model_ : run_start_model(physical);
+  if (!relinearised) return start;
+  if (std::ssize(linear_unknowns_) != about.values.size()) throw DamagedArchive();
+  return std::make_shared<const AugmentedModel>(start->about(about.values, about.deviations));
 }
 
 // What is kept: where the model stands (coordinates, values that it is linearised about), the filter's own numbers,
@@ -324,6 +366,7 @@ void OnlineLoop::keep(ArchiveWriter& archive) const {
   archive(linearised_about_.deviations);
   dynamic_cast<const Resumable&>(*setup_->filter).keep(archive);
   transfer(*this, archive);
+  lag_.keep(archive);
 }
 
 void OnlineLoop::take_up(ArchiveReader& archive) {
@@ -333,11 +376,12 @@ void OnlineLoop::take_up(ArchiveReader& archive) {
   archive(linearised_about_.values);
   archive(linearised_about_.deviations);
   if (std::ssize(linear_unknowns_) != linearised_about_.values.size()) throw DamagedArchive();
-  if (physical && !in_physical_coordinates()) make_physical_model();
+  if (physical && !in_physical_coordinates()) model_ = run_start_model(true);
   setup_ = std::make_unique<FilterSetup>(relinearised_ ? about_the_estimate() : model_, noise_, options_);
   setup_->filter->reset(setup_->augmented_model->prior());
   dynamic_cast<Resumable&>(*setup_->filter).take_up(archive);
   transfer(*this, archive);
+  lag_.take_up(archive, [this](const ModelPlace& place) { return model_at(place); });
   form_verdict();
 }
 
@@ -365,6 +409,7 @@ bool OnlineLoop::linearise_where_it_moved() {
   }
   linearised_about_ = std::move(now);
   relinearised_ = true;
+  lag_.use(place(), *setup_);
   return true;
 }
 

@@ -10,9 +10,12 @@
 #include "kalfem/estimation/failure.hpp"
 #include "kalfem/estimation/filter_setup.hpp"
 #include "kalfem/live/filter_problem.hpp"
+#include "kalfem/live/fixed_lag.hpp"
 #include "kalfem/live/innovation_window.hpp"
 #include "kalfem/live/last_consistent.hpp"
+#include "kalfem/live/online_options.hpp"
 #include "kalfem/live/sensor_gate.hpp"
+#include "kalfem/live/smoothed_estimate.hpp"
 
 namespace kalfem {
 
@@ -25,8 +28,8 @@ namespace kalfem {
 /// where the filter stops, it begins anew from LastConsistent.
 class OnlineLoop {
 public:
-  /// `window`: samples over which its innovations are judged. Throws InvalidInput as make_filter_run() does.
-  OnlineLoop(FilterProblem problem, Eigen::Index window, const std::optional<GateOptions>& gates);
+  /// Throws InvalidInput as make_filter_run() does.
+  OnlineLoop(FilterProblem problem, const OnlineOptions& options);
 
   /// The inputs at the present sample, [r; r'; r''] one after the other, 3 n_u.
   void set_inputs(Eigen::VectorXd inputs) { inputs_ = std::move(inputs); }
@@ -44,6 +47,9 @@ public:
   [[nodiscard]] std::vector<std::string> observed() const;
   [[nodiscard]] std::vector<PresentEstimate> observe_all();
   [[nodiscard]] PresentParameter parameter(std::size_t i) const;
+  /// Of the sample OnlineOptions::lag before the present one, or the first one that the present estimate follows from;
+  /// nothing without a lag.
+  [[nodiscard]] std::optional<SmoothedEstimate> smoothed();
   /// The unknowns' part of the estimate, in the coordinates of the state, one row for each of unknown_options().
   [[nodiscard]] Gaussian unknown_states() const;
   [[nodiscard]] const std::vector<UnknownParameter>& unknown_options() const { return model_->options().unknowns; }
@@ -90,11 +96,14 @@ private:
   /// Carries the estimate over to a model in physical coordinates; false where it stands in these already or is not
   /// finite.
   bool use_physical_coordinates();
-  void make_physical_model();
+  [[nodiscard]] std::shared_ptr<const AugmentedModel> run_start_model(bool physical) const;
   [[nodiscard]] std::shared_ptr<const AugmentedModel> about_the_estimate() const;
+  [[nodiscard]] ModelPlace place() const;
+  [[nodiscard]] std::shared_ptr<const AugmentedModel> model_at(const ModelPlace& place) const;
   [[nodiscard]] Gaussian estimate() const { return {setup_->filter->mean(), setup_->filter->covariance()}; }
   /// Values and deviations of the unknowns of the linear part, now or by their prior.
   [[nodiscard]] LinearEstimate linear_estimate(bool prior) const;
+  [[nodiscard]] PresentParameter parameter_of(std::size_t i, double state, double deviation) const;
   bool linearise_where_it_moved();
   static void transfer(auto& self, auto& archive);
 
@@ -115,6 +124,7 @@ private:
   InnovationWindow window_;
   Verdict verdict_;
 
+  FixedLag lag_{0, 0, {}};
   GateOptions gates_;
   bool gated_;
   SensorGate gate_;

@@ -64,6 +64,9 @@ void check(const OnlineOptions& online, double step) {
     issues.add({}, "window: " + std::to_string(online.window) + " samples",
                "the innovations of so many samples tell whether the filter is usable",
                "give a number from 100 to 10,000,000");
+  if (online.lag < 0 || online.lag > 100'000)
+    issues.add({}, "lag: " + std::to_string(online.lag) + " samples",
+               "the smoothed estimates stay behind the filter by that", "give a number from 0, for none, to 100,000");
   if (online.gates) check(*online.gates, issues);
   if (online.changes) check(*online.changes, step, issues);
   issues.raise();

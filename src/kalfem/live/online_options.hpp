@@ -44,6 +44,10 @@ struct OnlineOptions {
   int input_delay = 8;
   /// Latest samples by which usable() and verdict() judge.
   int window = 2000;
+  /// Samples N by which the smoothed estimates stay behind the filter: of sample k - N, from all samples up to k. They
+  /// cost N backward steps each time they are asked for, one more evaluation of each map a sample, and 8 N n^2 bytes
+  /// for n states. 0: none, and the filter's bits are those without the option.
+  int lag = 0;
   /// When sensors are left out and taken again. Without gates every value is taken as it comes, and the filter never
   /// doubts itself.
   std::optional<GateOptions> gates = {};

@@ -38,7 +38,7 @@ void set_rows(Eigen::MatrixXd& inputs, Index i, const SignalSamples& samples) {
 OnlineSteps::OnlineSteps(FilterProblem problem, std::vector<OnlineInput> inputs, const OnlineOptions& options)
     : fingerprint_(state_fingerprint(problem, options)),
       inputs_(std::move(inputs)),
-      loop_(made_for(options, std::move(problem)), options.window, options.gates),
+      loop_(made_for(options, std::move(problem)), options),
       delay_(inputs_.empty() ? 0 : options.input_delay),
       begun_(delay_ == 0 || std::ranges::all_of(inputs_, [](const auto& each) { return each.signal != nullptr; })) {
   if (options.changes) monitor_.emplace(*options.changes, loop_.unknown_options(), loop_.step());

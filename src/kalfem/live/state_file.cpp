@@ -53,6 +53,7 @@ std::string state_fingerprint(const FilterProblem& problem, const OnlineOptions&
         double(settings.step_order), double(options.input_delay), double(options.window),
         double(options.gates ? options.gates->memory : 0)})
     hash.add(number);
+  if (options.lag > 0) hash.add(double(options.lag));
   if (const auto& changes = options.changes) {
     for (const double number : {changes->window, double(changes->reference), double(changes->memory), changes->level,
                                 changes->hysteresis, double(changes->persistence), changes->false_alarms_every})

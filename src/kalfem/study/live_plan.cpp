@@ -100,7 +100,7 @@ void check_sensors(const CaseStudy& study, IssueList& issues) {
 
 void check_inputs(const CaseStudy& study, IssueList& issues) {
   for (const auto& [name, excitation] : study.given.excitation) {
-    if (!comes_live(study.given, excitation)) continue;
+    if (!comes_live(study.given, excitation) || excitation.unknown) continue;
     const auto place = study.given.source.at({"excitation", name});
     const auto* column = excitation.signal_as<d::FileSignal>();
     if (accelerates_grounds(study.given, excitation) || std::holds_alternative<d::BaseVelocity>(excitation.target))
@@ -238,7 +238,7 @@ LivePlan make_live_plan(const Study& study) {
   constexpr double an_hour = 3600.0;  // without a line: the filter predicts through it
   plan.options = {.horizon = live.horizon,
                   .longest_gap = std::max(an_hour, 10.0 * live.horizon),
-                  .filter = {.input_delay = live.input_delay, .window = live.window}};
+                  .filter = {.input_delay = live.input_delay, .window = live.window, .lag = live.lag}};
   if (live.alarms) {
     auto& changes = plan.options.filter.changes.emplace(live.alarms->value.options);
     for (const auto& [name, covariate] : live.alarms->value.covariates) {
@@ -260,7 +260,7 @@ LivePlan make_live_plan(const Study& study) {
   for (std::size_t i = 0; i < parts.inputs.size(); ++i) {
     const auto& input = parts.inputs[i];
     const auto found = std::ranges::find(given.excitation, input.name, &std::pair<std::string, d::Excitation>::first);
-    const bool online = found != given.excitation.end() && comes_live(given, found->second);
+    const bool online = found != given.excitation.end() && comes_live(given, found->second) && !found->second.unknown;
     plan.inputs.push_back({input.name, input.kind == InputKind::base_displacement,
                            online ? nullptr : plan.problem.problem->structure->signals[i]});
     if (!online) continue;

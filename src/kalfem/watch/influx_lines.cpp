@@ -48,16 +48,26 @@ Pairs numbers(const Json& object, std::initializer_list<const char*> keys, const
   return fields;
 }
 
-std::string estimates_of(const Json& told, const std::string& name) {
+/// Parameters and outputs of `told`, as measurements of these names with an ending.
+std::string values_of(const Json& told, const std::string& name, const std::string& ending) {
   const Json& time = told.at("t");
+  std::string lines;
+  for (const auto& [parameter, value] : told.at("parameters").items())
+    lines +=
+        line_of("kalfem_parameter" + ending, {{"case", name}, {"parameter", parameter}, {"unit", value.at("unit")}},
+                numbers(value, {"estimate", "std"}), time);
+  for (const auto& [output, value] : told.at("outputs").items())
+    lines +=
+        line_of("kalfem_output" + ending, {{"case", name}, {"output", output}}, numbers(value, {"mean", "std"}), time);
+  return lines;
+}
+
+std::string estimates_of(const Json& told, const std::string& name) {
   Pairs state = numbers(told, {"samples", "late", "bad_lines"}, "i");
   for (const char* key : {"condition", "verdict"}) state.emplace_back(key, quoted(told.at(key)));
-  std::string lines = line_of("kalfem", {{"case", name}}, state, time);
-  for (const auto& [parameter, value] : told.at("parameters").items())
-    lines += line_of("kalfem_parameter", {{"case", name}, {"parameter", parameter}, {"unit", value.at("unit")}},
-                     numbers(value, {"estimate", "std"}), time);
-  for (const auto& [output, value] : told.at("outputs").items())
-    lines += line_of("kalfem_output", {{"case", name}, {"output", output}}, numbers(value, {"mean", "std"}), time);
+  std::string lines = line_of("kalfem", {{"case", name}}, state, told.at("t")) + values_of(told, name, "");
+  if (const auto smoothed = told.find("smoothed"); smoothed != told.end())
+    lines += values_of(*smoothed, name, "_smoothed");
   return lines;
 }
 

@@ -23,6 +23,12 @@ constexpr std::size_t most_told = 100;  ///< names that are told once each
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
+Json numbers(const PresentParameter& now) {
+  return {{"estimate", number(now.mean)}, {"std", number(now.std)}, {"unit", now.unit}};
+}
+
+Json numbers(const PresentEstimate& now) { return {{"mean", number(now.mean)}, {"std", number(now.std)}}; }
+
 /// From the unit of the stream to SI.
 double factor_of(const StreamBlock& block, const LiveChannel& channel) {
   const std::string unit = channel.given.empty() ? understood_unit(block.unit) : channel.given;
@@ -157,13 +163,18 @@ void Watcher::tell() {
   auto& parameters = line["parameters"] = Json::object();
   for (std::size_t i = 0; i < loop().unknowns(); ++i) {
     const auto now = loop().parameter(i);
-    parameters[now.name] = {{"estimate", number(now.mean)}, {"std", number(now.std)}, {"unit", now.unit}};
+    parameters[now.name] = numbers(now);
   }
   auto& outputs = line["outputs"] = Json::object();
   const auto names = loop().observed();
   const auto observed = loop().observe_all();
-  for (std::size_t i = 0; i < names.size(); ++i)
-    outputs[names[i]] = {{"mean", number(observed[i].mean)}, {"std", number(observed[i].std)}};
+  for (std::size_t i = 0; i < names.size(); ++i) outputs[names[i]] = numbers(observed[i]);
+  if (const auto earlier = loop().smoothed()) {
+    auto& smoothed = line["smoothed"] = {
+        {"t", number(origin() + earlier->time)}, {"parameters", Json::object()}, {"outputs", Json::object()}};
+    for (const auto& each : earlier->parameters) smoothed["parameters"][each.name] = numbers(each);
+    for (const auto& [name, each] : earlier->outputs) smoothed["outputs"][name] = numbers(each);
+  }
   auto& events = line["events"] = Json::array();
   const auto fresh = std::min<std::int64_t>(log.total() - told_events_, std::ssize(log.events()));
   for (auto event = log.events().end() - fresh; event != log.events().end(); ++event)
