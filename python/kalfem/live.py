@@ -183,7 +183,7 @@ class Filter(core.Filter):
 
         With the filter's estimate x, P of that sample, x_s = x + P lambda and P_s = P - P Lambda P, where lambda and
         Lambda follow from the later samples (fixed-interval smoother in the form of Bryson and Frazier, 1963). `states`
-        has the names of :meth:`state`. Until `lag` samples have come, and until so many have passed after the filter
+        has the names of `state`. Until `lag` samples have come, and until so many have passed after the filter
         has widened its deviations or begun anew, it is the estimate of the first one.
         """
         found = self._smoothed()

@@ -42,6 +42,26 @@ def test_steps_find_the_parameter():
     assert filter.innovation.shape == (2,)
 
 
+def test_a_lag_smooths_and_leaves_the_filter_alone():
+    _, u, data = record()
+    filter, plain = live(lag=20, input_delay=0), live(input_delay=0)
+    for each in (filter, plain):
+        assert each.smoothed is None
+        each.begin(u[:1])
+        for k in range(100):
+            if k > 0:
+                each.predict(u[k : k + 1])
+            each.update([data["a3"][k], data["a5"][k]])
+    assert plain.smoothed is None and bits(filter) == bits(plain)
+    found = filter.smoothed
+    assert found.time == pytest.approx(filter.time - 20 / RATE)
+    assert found.states["body.3.displacement"].std > 0.0
+    parameter = found.parameters["suspension.mu_k1"]
+    assert parameter.value == pytest.approx(filter.parameters["suspension.mu_k1"].value) and parameter.unit == "N"
+    with pytest.raises(kf.InvalidInput, match="lag: -1 samples"):
+        live(lag=-1)
+
+
 def test_values_by_name_are_values_by_place():
     _, u, data = record()
     one, other = live(), live()
