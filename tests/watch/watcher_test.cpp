@@ -182,7 +182,7 @@ TEST(Watcher, EstimatesAnUnknownRoadAndNarrowsItsBandByALag) {
   }
   ASSERT_GT(told, 30);
   std::cout << "std of the road: " << 1e3 * now / told << " mm now, " << 1e3 * later / told << " mm later\n";
-  EXPECT_LT(later, now);
+  EXPECT_LT(later, 0.8 * now);
 }
 
 TEST(Watcher, TellsBadLinesAndGoesOn) {
