@@ -16,6 +16,7 @@ using Json = nlohmann::ordered_json;
 Json parameter_names(const LawDescription& law) {
   if (law.name == "expression") return nullptr;
   if (law.name == "polynomial") return {{"pattern", "^[kc][0-9]+$"}};
+  if (law.name == "prony") return {{"pattern", "^(k_inf|c|(k|tau)[1-8])$"}};
   Json names = Json::array();
   for (const auto& parameter : law.parameters) names.push_back(parameter.name);
   return {{"enum", names}};

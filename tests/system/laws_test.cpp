@@ -56,6 +56,8 @@ std::vector<LawCase> law_cases() {
        {4e4, 0.1, 1.0, 1500.0, 800.0, 1.0, 1e5, 1e5, 0.8, 1e6, 0.1, 2e-4, 1.0, 0.5, 3.0}},
       {"iwan", make_law("iwan"), {12.0, 4e4, -0.4, 0.3, 1e3, 3.0}},
       {"maxwell", make_law("maxwell"), {4e4, 5e-3, 1e3, 3.0}},
+      {"ramberg_osgood", make_law("ramberg_osgood"), {4e4, 12.0, 1.0, 5.0, 3.0}},
+      {"prony", prony_law(3), {1e3, 3.0, 4e4, 5e-3, 2e4, 2e-4, 1e4, 0.1}},
       {"lugre", make_law("lugre"), {4e5, 12.0, 18.0, 0.05, 20.0, 3.0, 1e3}},
       {"inerter", make_law("inerter"), {3.0}},
       {"preload", make_law("preload"), {7.0}, 1e-3, 0.1, true},

@@ -33,6 +33,19 @@ ConnectorLawPtr polynomial_of(const LawArguments& arguments) {
   return polynomial_law(stiffness_degree, damping_degree);
 }
 
+/// The branch that a parameter's name such as "k2" or "tau2" states, 0 where it is no such name.
+int branch_of(const std::string& name) {
+  if (name.starts_with("c")) return 0;
+  return degree_of(name.starts_with("tau") ? "k" + name.substr(3) : name);
+}
+
+// The highest index sets the number of branches; the law then asks for every parameter up to it.
+ConnectorLawPtr prony_of(const LawArguments& arguments) {
+  int branches = 0;
+  for (const auto& parameter : arguments.parameters) branches = std::max(branches, branch_of(parameter.name));
+  return prony_law(branches);
+}
+
 ConnectorLawPtr expression_of(const LawArguments& arguments) {
   ExpressionLawOptions options{.force = arguments.force,
                                .parameters = {},
@@ -85,6 +98,9 @@ const std::vector<Entry>& entries() {
       {"bouc_wen_degrading", "f as bouc_wen, z' = h (A v - nu (beta |v| |z|^(n-1) z + gamma v |z|^n))/eta, e' = z v",
        "smooth hysteresis whose strength and stiffness degrade and whose loops are pinched (Baber, Noori, Foliente)",
        [](const auto&) { return degrading_bouc_wen_law(); }},
+      {"ramberg_osgood", "d = f/k (1 + alpha |f/f_y|^(r-1)), after a reversal scaled by two from there (Masing)",
+       "steel, soil and wire rope that yield gradually, with closed loops (Ramberg, Osgood, Masing)",
+       [](const auto&) { return ramberg_osgood_law(); }},
       {"iwan", "f = k d + c v + sliders in parallel with the density R phi^chi and one more at phi_max",
        "bolted joint: microslip with power-law dissipation, then macroslip (Iwan, four parameters)",
        [](const auto&) { return iwan_law(); }},
@@ -92,6 +108,11 @@ const std::vector<Entry>& entries() {
        "dry friction by the deflection of bristles (LuGre)", [](const auto&) { return lugre_law(); }},
       {"maxwell", "f = k d + c v + k_branch (d - z), z' = (d - z)/tau", "spring and dashpot in series beside both",
        [](const auto&) { return maxwell_law(); }},
+      {"prony",
+       "f = k_inf d + c v + sum_i k_i (d - z_i), z_i' = (d - z_i)/tau_i",
+       "rubber mount: Prony series of 1 to 8 Maxwell branches",
+       prony_of,
+       {.parameters = {{"k_inf"}, {"c"}, {"k1"}, {"tau1"}, {"k2"}, {"tau2"}}}},
       {"inerter", "f = b a", "inerter: force proportional to relative acceleration",
        [](const auto&) { return inerter_law(); }},
       {"preload", "f = f0", "constant force", [](const auto&) { return preload_law(); }},

@@ -4,6 +4,8 @@
 #include <memory>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "kalfem/system/laws/expression_law.hpp"
 #include "kalfem/system/laws/law_library.hpp"
 
@@ -75,6 +77,24 @@ ConnectorLawPtr maxwell_law() {
                                             {"k", "N/m", "stiffness alongside", Range::nonnegative, 0.0},
                                             {"c", "N s/m", "damping alongside", Range::nonnegative, 0.0}},
                              .states = {{{"z", "m", "deformation of the dashpot in series"}, "(x - z)/tau"}}});
+}
+
+ConnectorLawPtr prony_law(int branches) {
+  if (branches < 1 || branches > max_internal_states)
+    throw InvalidInput(fmt::format("prony: the number of branches is {}", branches),
+                       fmt::format("it must lie between 1 and {}", max_internal_states),
+                       "name the parameters of each branch, such as k1, tau1, k2, tau2");
+  ExpressionLawOptions options{.force = "k_inf*x + c*v",
+                               .parameters = {{"k_inf", "N/m", "stiffness after a long time", Range::nonnegative, 0.0},
+                                              {"c", "N s/m", "damping alongside", Range::nonnegative, 0.0}}};
+  for (int i = 1; i <= branches; ++i) {
+    options.force += fmt::format(" + k{0}*(x - z{0})", i);
+    options.parameters.push_back({fmt::format("k{}", i), "N/m", "stiffness that relaxes", Range::positive});
+    options.parameters.push_back({fmt::format("tau{}", i), "s", "time in which it relaxes", Range::positive});
+    options.states.push_back(
+        {{fmt::format("z{}", i), "m", "deformation of a dashpot"}, fmt::format("(x - z{0})/tau{0}", i)});
+  }
+  return written("prony", options);
 }
 
 ConnectorLawPtr lugre_law() {
