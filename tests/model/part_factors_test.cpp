@@ -5,6 +5,8 @@
 
 #include "kalfem/model/assembly/fe_linear_model.hpp"
 #include "kalfem/model/mesh/split_quadratic_shells.hpp"
+#include "kalfem/model/statics/statics.hpp"
+#include "kalfem/model/statics/stresses.hpp"
 #include "model/fe_models.hpp"
 
 namespace kalfem {
@@ -122,6 +124,37 @@ TEST(PartFactors, OfMatricesWithDampingHaveExactDerivatives) {
   const auto moved = small.at(Eigen::VectorXd::Constant(1, 2.0)).model;
   EXPECT_LT(difference(moved.damping, basis.transpose() * at(2.0).damping * basis), 1e-12);
   EXPECT_LT(difference(moved.stiffness, basis.transpose() * at(2.0).stiffness * basis), 1e-12);
+}
+
+// A factor of all elements of a material is another modulus and density of it, in stresses and section forces too.
+TEST(PartFactors, StressesAreThoseOfTheFactoredElements) {
+  auto factored = plate(), other = plate();
+  add_element_factor(factored, "right", {"right"}, FactorOf::both, 1.7);
+  other.materials.at("alloy").youngs_modulus *= 1.7;
+  other.materials.at("alloy").density *= 1.7;
+  const LoadCase load{.name = "own weight", .gravity = {0.0, 3.0, -9.81}};
+  const auto found = recover_stresses(factored, solve_statics(factored, load).displacements, load.field());
+  const auto expected = recover_stresses(other, solve_statics(other, load).displacements, load.field());
+  for (std::size_t region = 0; region < 2; ++region)
+    for (std::size_t i = 0; i < found[region].cells.size(); ++i) {
+      const Stress &is = found[region].cells[i].layers[0].centre, &should = expected[region].cells[i].layers[0].centre;
+      EXPECT_LT((is - should).norm(), 1e-9 * should.norm());
+      EXPECT_LT((found[region].resultants[i].values - expected[region].resultants[i].values).norm(),
+                1e-9 * expected[region].resultants[i].values.norm());
+    }
+}
+
+// A cantilever under its own weight: the support carries the weight of the factored mass, whatever the stiffness.
+TEST(PartFactors, SectionForcesCarryTheFactoredMass) {
+  auto beam = beam_model({2.0, 0.0, 0.0}, 4, rectangular_section(0.02, 0.03));
+  add_element_factor(beam, "heavy", {"line"}, FactorOf::mass, 2.0);
+  add_element_factor(beam, "stiff", {"line"}, FactorOf::stiffness, 3.0);
+  const LoadCase load{.name = "own weight", .gravity = {0.0, 0.0, -9.81}};
+  const auto forces = recover_stresses(beam, solve_statics(beam, load).displacements, load.field())[0].beams;
+  const double weight = 2.0 * beam.materials.begin()->second.density * 0.02 * 0.03 * 2.0 * 9.81;
+  EXPECT_NEAR(forces[0].ends[0].segment(1, 2).norm(), weight, 1e-8 * weight);
+  EXPECT_NEAR(forces[0].ends[0].tail(2).norm(), weight * 1.0, 1e-8 * weight);
+  EXPECT_NEAR(forces[3].ends[1].norm(), 0.0, 1e-8 * weight);
 }
 
 TEST(PartFactors, FollowSplitShells) {

@@ -135,4 +135,13 @@ void add_matrix_factor(FiniteElementModel& model, const std::string& factor, Nod
   model.factors.push_back({factor, value});
 }
 
+std::vector<double> factors_of_cells(const FiniteElementModel& model, FactorOf what) {
+  if (model.factors.empty()) return {};
+  std::vector<double> products(model.mesh.cells.size(), 1.0);
+  for (const auto& factor : model.factors)
+    if (factor.of == what || factor.of == FactorOf::both)
+      for (const auto cell : factor.cells) products[static_cast<std::size_t>(cell)] *= factor.value;
+  return products;
+}
+
 }  // namespace kalfem

@@ -22,4 +22,7 @@ void add_element_factor(FiniteElementModel& model, const std::string& factor, co
 void add_matrix_factor(FiniteElementModel& model, const std::string& factor, NodalMatrices matrices,
                        double value = 1.0);
 
+/// The product of the factors of each element's stiffness or mass, at their values; empty where the model has none.
+std::vector<double> factors_of_cells(const FiniteElementModel& model, FactorOf what);
+
 }  // namespace kalfem

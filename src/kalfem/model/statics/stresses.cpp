@@ -7,6 +7,7 @@
 #include "kalfem/model/assembly/shell_edges.hpp"
 #include "kalfem/model/elements/solid_strains.hpp"
 #include "kalfem/model/elements/tapered_beam.hpp"
+#include "kalfem/model/part_factors.hpp"
 
 namespace kalfem {
 namespace {
@@ -38,13 +39,31 @@ Strain layer_strain(const Eigen::Vector3d& plane, const Eigen::Matrix3d& axes, d
   return strain;
 }
 
+/// Factors of an element's stiffness and mass, 1 where it has none.
+class CellFactors {
+public:
+  explicit CellFactors(const FiniteElementModel& model)
+      : stiffness_(factors_of_cells(model, FactorOf::stiffness)), mass_(factors_of_cells(model, FactorOf::mass)) {}
+
+  [[nodiscard]] double stiffness(Index cell) const { return of(stiffness_, cell); }
+  [[nodiscard]] double mass(Index cell) const { return of(mass_, cell); }
+
+private:
+  static double of(const std::vector<double>& all, Index cell) {
+    return all.empty() ? 1.0 : all[static_cast<std::size_t>(cell)];
+  }
+  std::vector<double> stiffness_, mass_;
+};
+
 /// Recovers the cells of a region by the kind of its property.
 class Recovery {
 public:
-  Recovery(const FiniteElementModel& model, const ShellEdges& edges, const VectorXd& displacements,
-           const AccelerationField& field, const std::vector<BeamLoad>& beam_loads, RegionStress& region)
+  Recovery(const FiniteElementModel& model, const ShellEdges& edges, const CellFactors& factors,
+           const VectorXd& displacements, const AccelerationField& field, const std::vector<BeamLoad>& beam_loads,
+           RegionStress& region)
       : model_(model),
         edges_(edges),
+        factors_(factors),
         displacements_(displacements),
         field_(field),
         beam_loads_(beam_loads),
@@ -52,8 +71,9 @@ public:
 
   void operator()(const SolidProperty& property) {
     const auto& material = model_.materials.at(property.material);
-    const Matrix6 elasticity = elasticity_of(property, material);
+    const Matrix6 nominal = elasticity_of(property, material);
     for_each_cell([&](Index index, const Cell& cell, std::size_t) {
+      const Matrix6 elasticity = factors_.stiffness(index) * nominal;
       const SolidStrains strains =
           solid_strains(cell.shape, places(cell), property, material.poissons_ratio, motions(cell, 3));
       const Index nodes = strains.cols() - 1;
@@ -68,8 +88,9 @@ public:
     const auto& material = model_.materials.at(property.material);
     const double nu = material.poissons_ratio, t = property.thickness;
     const ShellStiffness unit = isotropic_section(nu, t);
-    const Eigen::Matrix3d elasticity = material.youngs_modulus * plane_stress(nu);
     for_each_cell([&](Index index, const Cell& cell, std::size_t) {
+      const double modulus = factors_.stiffness(index) * material.youngs_modulus;
+      const Eigen::Matrix3d elasticity = modulus * plane_stress(nu);
       const ShellStrains strains = shell_strains(places(cell), unit, property.offset, Eigen::Vector3d::Zero(),
                                                  corner_motions(index), edges_.drilling(index));
       CellStress stress{.cell = index, .normal = strains.axes.row(2)};
@@ -88,7 +109,7 @@ public:
         stress.layers.push_back(std::move(part));
       }
       region_.cells.push_back(std::move(stress));
-      add_resultants(index, strains, material.youngs_modulus, unit);
+      add_resultants(index, strains, modulus, unit);
     });
   }
 
@@ -97,17 +118,22 @@ public:
       const ShellStrains strains =
           shell_strains(places(cell), property.stiffness, property.offset, property.direction(place),
                         corner_motions(index), edges_.drilling(index));
-      add_resultants(index, strains, 1.0, property.stiffness);
+      add_resultants(index, strains, factors_.stiffness(index), property.stiffness);
     });
   }
 
   void operator()(const BeamProperty& property) {
     const auto& material = model_.materials.at(property.material);
     for_each_cell([&](Index index, const Cell& cell, std::size_t place) {
-      BeamStress stress{
-          .cell = index,
-          .ends = beam_forces(places(cell), property, property.placement(place), material, model_.mass_kind,
-                              motions(cell, 6), {at_nodes(cell), field_.gradient}, loads_of(index))};
+      const auto forces = [&](const VectorXd& moved, const BeamField& field,
+                              const Eigen::Matrix<double, 12, 1>& loads) {
+        return beam_forces(places(cell), property, property.placement(place), material, model_.mass_kind, moved, field,
+                           loads);
+      };
+      const double of_mass = factors_.mass(index);
+      const BeamField field{of_mass * at_nodes(cell), of_mass * field_.gradient};
+      BeamStress stress{.cell = index,
+                        .ends = forces(factors_.stiffness(index) * motions(cell, 6), field, loads_of(index))};
       for (std::size_t end = 0; end < 2; ++end) {
         const BeamSection section = section_at(property, static_cast<double>(end));
         stress.axial[end] = stress.ends[end][0] / section.area;
@@ -168,6 +194,7 @@ private:
 
   const FiniteElementModel& model_;
   const ShellEdges& edges_;
+  const CellFactors& factors_;
   const VectorXd& displacements_;
   const AccelerationField& field_;
   const std::vector<BeamLoad>& beam_loads_;
@@ -194,10 +221,11 @@ const char* to_string(Layer layer) {
 std::vector<RegionStress> recover_stresses(const FiniteElementModel& model, const VectorXd& displacements,
                                            const AccelerationField& field, const std::vector<BeamLoad>& beam_loads) {
   const ShellEdges edges(model);
+  const CellFactors factors(model);
   std::vector<RegionStress> regions;
   for (const auto& [region, property] : model.properties) {
     regions.push_back({.region = region});
-    std::visit(Recovery(model, edges, displacements, field, beam_loads, regions.back()), property);
+    std::visit(Recovery(model, edges, factors, displacements, field, beam_loads, regions.back()), property);
   }
   return regions;
 }

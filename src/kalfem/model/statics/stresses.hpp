@@ -62,7 +62,8 @@ struct RegionStress {
 };
 
 /// Stresses under the displacements [m] and rotations [rad] of all nodes, 6 to a node: sigma = D epsilon with the
-/// strains of solid_strains() and shell_strains(), and beam_forces(). Transverse shear stress of shells is left out: it
+/// strains of solid_strains() and shell_strains(), and beam_forces(); D and the stiffness of sections are multiplied by
+/// the factors of parts, as is the mass that `field` acts on. Transverse shear stress of shells is left out: it
 /// is 0 at their surfaces. `field`: acts on the mass between the ends of beams, and `beam_loads` on their lines, see
 /// beam_forces().
 std::vector<RegionStress> recover_stresses(const FiniteElementModel& model, const Eigen::VectorXd& displacements,
