@@ -76,7 +76,7 @@ enum class FactorOf { stiffness, mass, both };
 /// A dimensionless factor a of a part of the model, the parameter "<name>.factor":
 ///     K = K_0 + a K_i,   M = M_0 + a M_i,   C = C_0 + a C_i.
 /// The part is the elements of `cells` and every NodalMatrices that bears the factor's name. An element in the parts of
-/// several factors is multiplied by each. Stresses are those of the elements without the factor.
+/// several factors is multiplied by each. Stresses are those of the stiffness that it leaves.
 struct PartFactor {
   std::string name;
   double value = 1.0;
