@@ -285,5 +285,17 @@ TEST(LivePlan, RefusesWhatOnlyAWholeRecordAllows) {
   EXPECT_THAT(refusal_of(structure + "live: {sample_rate: 500 Hz}\n"), HasSubstr("`live` but no `estimate`"));
 }
 
+TEST(LivePlan, NamesTheLineOfALagThatMemoryDoesNotHold) {
+  std::string masses, springs;
+  for (int i = 1; i <= 100; ++i) {
+    const std::string name = "t" + std::to_string(i);
+    masses += (i == 1 ? "" : ", ") + name + ": 1 kg";
+    springs += (i == 1 ? "" : ", ") + ("{from: ground, to: " + name + ", stiffness: 1 kN/m}");
+  }
+  std::string tower = live("lag: 100000");
+  tower.replace(tower.find("connectors:"), 0, "  tower: {masses: {" + masses + "}, springs: [" + springs + "]}\n");
+  EXPECT_THAT(refusal_of(tower), testing::ContainsRegex("live.yaml:[0-9]+: lag: 100000 samples of [0-9]+ states need"));
+}
+
 }  // namespace
 }  // namespace kalfem::live_case

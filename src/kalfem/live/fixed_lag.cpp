@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/units.hpp"
 #include "kalfem/estimation/smoother/smoothed_outputs.hpp"
 
@@ -31,14 +30,21 @@ MatrixXd between(const AugmentedModel& from, const AugmentedModel& to) {
 
 }  // namespace
 
+void check_lag(Index lag, Index states, const SourceLocation& place, IssueList& issues) {
+  const double each = 8.0 * static_cast<double>(states * states), needed = each * static_cast<double>(lag);
+  if (needed <= most_memory) return;
+  issues.add(place,
+             "lag: " + std::to_string(lag) + " samples of " + std::to_string(states) + " states need " +
+                 shortest(std::ceil(1e-9 * needed)) + " GB",
+             "each sample keeps the covariance of the filter",
+             "give a lag of at most " + std::to_string(static_cast<long>(most_memory / each)) + " samples");
+}
+
 FixedLag::FixedLag(Index lag, Index states, EstimationOptions options)
     : lag_(lag), options_(std::move(options)), linearisation_(options_), moments_(argument_transform_of(options_)) {
-  const double each = 8.0 * static_cast<double>(states * states), needed = each * static_cast<double>(lag);
-  if (needed > most_memory)
-    throw InvalidInput("lag: " + std::to_string(lag) + " samples of " + std::to_string(states) + " states need " +
-                           shortest(std::ceil(1e-9 * needed)) + " GB",
-                       "each sample keeps the covariance of the filter",
-                       "give a lag of at most " + std::to_string(static_cast<long>(most_memory / each)) + " samples");
+  IssueList issues;
+  check_lag(lag, states, {}, issues);
+  issues.raise();
 }
 
 void FixedLag::use(const ModelPlace& place, const FilterSetup& setup) {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "kalfem/base/binary_archive.hpp"
+#include "kalfem/base/invalid_input.hpp"
 #include "kalfem/estimation/smoother/step_linearisation.hpp"
 
 namespace kalfem {
@@ -25,6 +26,9 @@ struct SmoothedSample {
   Eigen::VectorXd outputs, outputs_deviation;    ///< monitored; not a number where they cannot be evaluated
 };
 
+/// An issue at `place` where the covariances of a lag's samples, of n states each, need more than 4 GB.
+void check_lag(Eigen::Index lag, Eigen::Index states, const SourceLocation& place, IssueList& issues);
+
 /// Fixed-lag smoother of a filter that is moved from sample to sample: the estimate of sample k - N given all samples
 /// up to k. It keeps the linearisations and estimates of the latest N + 1 samples; each call of smoothed() passes the
 /// adjoint of the fixed-interval smoother (Bryson and Frazier) back over them. So it is the estimate that smooth()
@@ -33,7 +37,7 @@ struct SmoothedSample {
 /// After begin() there is nothing from before: until N samples have passed, the estimate is that of the first one.
 class FixedLag {
 public:
-  /// `states`: n. Throws InvalidInput where the covariances of N samples would need more than 4 GB.
+  /// `states`: n. Throws InvalidInput as check_lag() says.
   FixedLag(Eigen::Index lag, Eigen::Index states, EstimationOptions options);
 
   /// The model from now on. The estimate of the filter before stood in that of `before`.

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "kalfem/base/units.hpp"
+#include "kalfem/live/fixed_lag.hpp"
 #include "kalfem/study/assembly.hpp"
 #include "kalfem/study/case_study.hpp"
 #include "kalfem/study/record_source.hpp"
@@ -232,6 +233,9 @@ LivePlan make_live_plan(const Study& study) {
   plan.problem.setup = [&] {
     IssueList issues;
     auto setup = make_augmented_model_setup(*plan.problem.problem, plan.problem.problem->structure->parts, {}, issues);
+    issues.raise();
+    const Eigen::Index states = 2 * setup.model->system().size() + std::ssize(setup.options.unknowns);
+    check_lag(live.lag, states, given.source.at({"live", "lag"}), issues);
     issues.raise();
     return setup;
   }();
