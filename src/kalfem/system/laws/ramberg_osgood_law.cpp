@@ -83,7 +83,7 @@ ConnectorLawPtr ramberg_osgood_law() {
           {"f_y", "N", "force whose plastic deformation is alpha times the elastic one", Range::positive},
           {"alpha", "-", "plastic over elastic deformation at f_y; hold it fixed, it sets the meaning of f_y",
            Range::positive, 1.0},
-          {"r", "-", "exponent of the plastic deformation, above 1.1: the larger, the sharper the knee",
+          {"r", "-", "exponent of the plastic deformation, below 1.1 counts as 1.1: the larger, the sharper the knee",
            Range::at_least_one},
           {"c", "N s/m", "damping alongside", Range::nonnegative, 0.0}},
       std::move(states));
