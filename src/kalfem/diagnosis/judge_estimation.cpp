@@ -10,6 +10,7 @@
 #include "kalfem/identification/held_out_sensors.hpp"
 #include "kalfem/identification/parameter_drift.hpp"
 #include "kalfem/identification/stated_interval.hpp"
+#include "kalfem/identification/unknown_information.hpp"
 
 namespace kalfem {
 
@@ -65,6 +66,14 @@ double deviation_along_time(const RecordEstimate& estimate, Index i) {
   return estimate.robust_deviation[i] / (place < widening.size() ? widening[place] : 1.0);
 }
 
+/// The factor by which the filter is too sure of an unknown; 0 where it agrees with the record's information.
+double too_sure(const RecordEstimate& estimate, Index i) {
+  if (!estimate.information) return 0.0;
+  const auto& [unknowns, covariance, step, widening] = *estimate.information;
+  const auto place = std::ranges::find(unknowns, i) - unknowns.begin();
+  return place < std::ssize(unknowns) ? widening[place] : 0.0;
+}
+
 /// One unknown beside its prior. Distances are those of the filter's state, in which the prior is normal.
 EstimatedUnknown estimated_unknown(const RecordEstimate& estimate, Index i) {
   const auto& unknown = estimate.augmented_model->options().unknowns[static_cast<std::size_t>(i)];
@@ -73,15 +82,17 @@ EstimatedUnknown estimated_unknown(const RecordEstimate& estimate, Index i) {
   const double prior = unknown.deviation / unknown.transform.slope(start);
   const double deviation = estimate.result.unknowns.deviation(i, last), robust = estimate.robust_deviation[i];
   const double along_time = deviation_along_time(estimate, i);
+  const double factor = too_sure(estimate, i);
   const Limits allowed = natural_limits(unknown, estimate.augmented_model->system());
   return {.name = unknown.name,
           .unit = unknown.unit,
           .initial = unknown.initial,
           .estimate = estimate.result.unknowns.mean(i, last),
           .moved = std::abs(estimate.result.state.mean(row, last) - start) / prior,
-          .shrinkage = estimate.result.state.deviation(row, last) / prior,
+          .shrinkage = std::max(1.0, factor) * estimate.result.state.deviation(row, last) / prior,
           .deviation = std::isfinite(along_time) ? std::max(along_time, deviation) : deviation,
           .widening = std::isfinite(robust) && deviation > 0.0 ? robust / deviation : 1.0,
+          .too_sure = factor > 0.0,
           .drifts = unknown.random_walk > 0.0,
           .least = allowed.least,
           .greatest = allowed.greatest,
@@ -89,11 +100,22 @@ EstimatedUnknown estimated_unknown(const RecordEstimate& estimate, Index i) {
           .upper_bound = unknown.transform.kind == TransformKind::logit ? unknown.transform.upper : infinity};
 }
 
-/// Of the unknowns among each other after the last sample.
-MatrixXd correlation_of_unknowns(const RecordEstimate& estimate) {
+/// Of the unknowns among each other after the last sample; where the filter is too sure of one, constant unknowns by
+/// the record's information, in no relation to those that walk.
+MatrixXd covariance_of_unknowns(const RecordEstimate& estimate) {
   const auto& layout = estimate.augmented_model->layout();
-  const MatrixXd covariance =
+  MatrixXd covariance =
       estimate.result.final_covariance.block(layout.unknown(), layout.unknown(), layout.unknowns, layout.unknowns);
+  if (!estimate.information || !estimate.information->any_too_sure()) return covariance;
+  const auto& unknowns = estimate.information->unknowns;
+  for (const Index i : unknowns) covariance.row(i).setZero();
+  for (const Index i : unknowns) covariance.col(i).setZero();
+  covariance(unknowns, unknowns) = estimate.information->covariance;
+  return covariance;
+}
+
+MatrixXd correlation_of_unknowns(const RecordEstimate& estimate) {
+  const MatrixXd covariance = covariance_of_unknowns(estimate);
   const Eigen::VectorXd scale = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   return scale.asDiagonal() * covariance * scale.asDiagonal();
 }

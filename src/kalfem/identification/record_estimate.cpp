@@ -241,6 +241,7 @@ RecordEstimate estimate_record_thoroughly(const EstimationProblemPtr& problem, A
   estimation.study_fixed_numbers(budget);
   free_numbers(problem, setup, record, options, budget, estimation);
   estimation.study_process_noise(budget);
+  estimation.confirm_information(budget);
   estimation.widen_by_scores(budget);
   estimation.hold_out_sensors(budget);
   if (estimate.second_thoughts == SecondThoughts::pending) estimate.second_thoughts = SecondThoughts::done;

@@ -29,6 +29,7 @@ struct FixedNumberStudy;
 struct FreedNumbers;
 struct HeldOutStudy;
 struct NumberTrials;
+struct UnknownInformation;
 
 /// What a filter's run over a record gives: the estimates with both their deviations, whether the innovations are
 /// consistent, and the record again from the estimates alone.
@@ -59,6 +60,9 @@ struct RecordEstimate {
   std::optional<SmoothedRecord> smoothed;
   std::vector<EstimatedInput> smoothed_inputs;
   Eigen::VectorXd robust_deviation;  ///< one per unknown [its unit]; NaN if it drifts, or after a failure
+  /// What the record tells of the unknowns about one point; null: not looked at. Where the filter is too sure of one,
+  /// the robust covariance and deviations are those of this information.
+  std::shared_ptr<const UnknownInformation> information = {};
   /// How the estimates move with numbers that are held fixed, and what the record says of them; null: not looked at.
   std::shared_ptr<const FixedNumberStudy> fixed_numbers = {};
   /// What became of the numbers that the record asks to change; null where they were not looked at.

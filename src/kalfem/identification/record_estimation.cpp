@@ -11,6 +11,7 @@
 #include "kalfem/identification/refined_filter.hpp"
 #include "kalfem/identification/robust_deviations.hpp"
 #include "kalfem/identification/settling.hpp"
+#include "kalfem/identification/unknown_information.hpp"
 
 namespace kalfem {
 
@@ -363,6 +364,21 @@ void RecordEstimation::look_for_jump(StepBudget& budget) {
   if (!search.jump) return;
   estimate_.jump = search.jump;
   add_event_of_change();
+}
+
+void RecordEstimation::confirm_information(StepBudget& budget) {
+  if (estimate_.result.failure || !problem_->settings.diagnose || contradicts_itself(estimate_)) return;
+  auto found = information_at_estimates(problem_, screening_->record(), estimate_, budget);
+  if (!found) {
+    if (budget.refused()) estimate_.leave_out("whether the filter is too sure of its estimates");
+    return;
+  }
+  if (found->any_too_sure()) estimate_.robust.covariance = found->about_the_estimates();
+  for (std::size_t i = 0; i < found->unknowns.size(); ++i)
+    if (const double widening = found->widening[static_cast<Index>(i)]; widening > 0.0)
+      estimate_.robust_deviation[found->unknowns[i]] =
+          widening * estimate_.result.unknowns.deviation.rightCols(1)(found->unknowns[i], 0);
+  estimate_.information = std::make_shared<const UnknownInformation>(*std::move(found));
 }
 
 void RecordEstimation::add_event_of_change() {

@@ -46,6 +46,8 @@ public:
   void widen_by_scores(StepBudget& budget);
   void study_process_noise(StepBudget& budget);
   void study_fixed_numbers(StepBudget& budget);
+  /// Robust deviations hold what the record tells of the unknowns about one point; see information_at_estimates().
+  void confirm_information(StepBudget& budget);
   /// Fixed numbers that the record asks to change, as unknowns: see kalfem::try_numbers().
   [[nodiscard]] NumberTrials try_numbers(StepBudget& budget);
   /// Sensors as virtual ones, in a run whose innovations agree with its model and that estimates more than they see.

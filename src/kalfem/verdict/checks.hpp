@@ -76,6 +76,7 @@ struct EstimatedUnknown {
   double shrinkage = 0.0;                ///< posterior over prior standard deviation
   double deviation = 0.0;                ///< [unit]
   double widening = 1.0;                 ///< robust over stated standard deviation
+  bool too_sure = false;                 ///< as the filter linearised about moving estimates
   bool drifts = false;                   ///< it may change along the record: its prior is soon forgotten
   /// What its nature allows [unit], a stiffness no value below 0; and what the case allows by transform and bounds.
   double least = -infinity, greatest = infinity, lower_bound = -infinity, upper_bound = infinity;
@@ -85,7 +86,7 @@ struct EstimatedUnknown {
 /// ("far_from_prior"), outside what its nature allows ("out_of_range"), with the other sign ("sign_changed"), at a
 /// bound of its transform ("at_bound"), one that the record says nothing about ("not_identified"), two that it cannot
 /// tell apart ("correlated") or three and more ("combination"), and deviations that are too small because innovations
-/// are correlated ("deviation_too_small"). `correlation`: of the unknowns at the end, p x p. The filter linearises
+/// are correlated ("deviation_too_small") or as the filter linearised about moving estimates ("too_sure"). `correlation`: of the unknowns at the end, p x p. The filter linearises
 /// about its estimate: one that travelled far while the mean NIS is more than a fifth above the expected one is not to
 /// be trusted.
 std::vector<Reason> unknown_reasons(const std::vector<EstimatedUnknown>& unknowns,

@@ -97,6 +97,12 @@ std::span<const ReasonKind> reason_kinds() {
        "the robust standard deviation of an unknown is 1.5 times the stated one or more; in an "
        "updating, only where a residual is large too, as intervals come from the wider one",
        Gravity::either},
+      {{"too_sure"},
+       "the filter's standard deviation of an unknown, which rests on linearisations about the estimates of each "
+       "moment, "
+       "is 1.5 times too small or more beside that about one point ([tangents](theory/tangents.md#whether-the-filter-is-too-sure))",
+       Gravity::suspicious,
+       false},
       {{"open_loop_error", "open_loop_failed"}, "the estimates alone do not reproduce the record"},
       {{"validation_error"},
        "the estimates do not predict data that they were not found from ([measured records](records.md))",

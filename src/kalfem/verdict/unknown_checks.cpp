@@ -102,6 +102,16 @@ void check_information(const EstimatedUnknown& unknown, std::vector<Reason>& rea
 void check_widening(const EstimatedUnknown& unknown, std::vector<Reason>& reasons) {
   const VerdictState state = state_of(unknown.widening);
   if (state == VerdictState::consistent) return;
+  if (unknown.too_sure) {
+    reasons.push_back({"too_sure", unknown.name,
+                       fmt::format("the filter is {:.2g} times too sure of unknown '{}': it linearised about estimates "
+                                   "that moved; about the last ones, the record leaves a standard deviation of {}",
+                                   unknown.widening, unknown.name, value_of(unknown.deviation, unknown.unit)),
+                       "rely on std_robust and interval_95, or on `infer` for the whole posterior; where the record "
+                       "cannot tell two unknowns apart, hold one of them",
+                       VerdictState::suspicious, unknown.widening});
+    return;
+  }
   reasons.push_back({"deviation_too_small", unknown.name,
                      fmt::format("the standard deviation of unknown '{}' is {:.2g} times too small, because the "
                                  "innovations are larger than expected or correlated",

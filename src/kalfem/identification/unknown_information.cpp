@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kalfem/identification/unknown_information.hpp"
+
+#include <cmath>
+
+#include "kalfem/identification/named_unknowns.hpp"
+#include "kalfem/identification/runs_beside.hpp"
+#include "kalfem/identification/white_innovations.hpp"
+#include "kalfem/verdict/verdict.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double most_memory = 1e9;       ///< of gains and derivatives [byte]
+constexpr double cost_of_mean = 0.2;      ///< filter steps that a step of the mean alone costs, about
+constexpr double cost_of_tangent = 0.05;  ///< that the tangent of a number adds to it
+
+VectorXd last_of(const MatrixXd& series, const std::vector<Index>& rows) { return series.rightCols(1)(rows, 0); }
+
+/// The constant unknowns of a filter, in the coordinates x of its state.
+class ConstantUnknowns {
+public:
+  ConstantUnknowns(const EstimationProblem& problem, const RecordEstimate& estimate)
+      : given_(problem.settings.unknowns) {
+    for (Index i = 0; i < std::ssize(given_); ++i)
+      if (given_[static_cast<std::size_t>(i)].random_walk == 0.0) places.push_back(i);
+    std::vector<Index> rows;
+    for (const Index i : places) rows.push_back(estimate.augmented_model->layout().unknown() + i);
+    estimated = last_of(estimate.result.state.mean, rows);
+    deviation = last_of(estimate.result.state.deviation, rows);
+    prior = prior_deviation = VectorXd(size());
+    for (Index i = 0; i < size(); ++i) {
+      prior[i] = unknown(i).transform.to_state(unknown(i).initial);
+      prior_deviation[i] = unknown(i).deviation / unknown(i).transform.slope(prior[i]);
+    }
+  }
+
+  [[nodiscard]] Index size() const { return std::ssize(places); }
+  [[nodiscard]] const Unknown& unknown(Index i) const {
+    return given_[static_cast<std::size_t>(places[static_cast<std::size_t>(i)])];
+  }
+  [[nodiscard]] std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (Index i = 0; i < size(); ++i) all.push_back(unknown(i).name);
+    return all;
+  }
+  /// Their values at x, each in its unit.
+  [[nodiscard]] VectorXd values(const VectorXd& x) const {
+    VectorXd theta(size());
+    for (Index i = 0; i < size(); ++i) theta[i] = unknown(i).transform.to_parameter(x[i]);
+    return theta;
+  }
+  /// d theta / d x.
+  [[nodiscard]] double slope(Index i, double x) const { return unknown(i).transform.slope(x); }
+
+  std::vector<Index> places;
+  VectorXd estimated, deviation;    ///< by the filter
+  VectorXd prior, prior_deviation;  ///< x_0
+
+private:
+  const std::vector<Unknown>& given_;
+};
+
+/// The parameters that the unknowns set, and the unknown of each.
+struct Targets {
+  ChangedNumbers numbers;
+  std::vector<Index> unknown;
+};
+
+Targets targets_of(const ConstantUnknowns& constant, const VectorXd& theta) {
+  Targets targets;
+  for (Index i = 0; i < constant.size(); ++i)
+    for (const auto& parameter : constant.unknown(i).targets) {
+      const double scale = theta[i] != 0.0 ? std::abs(theta[i]) : constant.unknown(i).deviation;
+      targets.numbers.numbers.push_back(
+          {.name = parameter.name, .unit = parameter.unit, .value = theta[i], .scale = scale, .parameter = parameter});
+      targets.unknown.push_back(i);
+    }
+  targets.numbers.changes = VectorXd::Zero(std::ssize(targets.unknown));
+  return targets;
+}
+
+/// The filter of the motion alone, with the unknowns held.
+struct HeldUnknowns {
+  EstimationProblemPtr problem;
+  AugmentedModelSetup setup;
+};
+
+HeldUnknowns hold(const EstimationProblemPtr& problem, const ConstantUnknowns& constant, const VectorXd& theta,
+                  int substeps) {
+  const NamedUnknowns named(problem, constant.names(), theta);
+  auto held = std::make_shared<EstimationProblem>(*named.problem_at(theta));
+  held->settings.substeps = substeps;
+  held->settings.passes = 1;
+  held->settings.likelihood_unknowns.clear();
+  IssueList issues;
+  auto setup = make_augmented_model_setup(*held, held->structure->parts, {}, issues);
+  issues.raise();
+  return {std::move(held), std::move(setup)};
+}
+
+}  // namespace
+
+std::optional<UnknownInformation> information_at_estimates(const EstimationProblemPtr& problem, const Record& record,
+                                                           const RecordEstimate& estimate, StepBudget& budget) try {
+  const ConstantUnknowns constant(*problem, estimate);
+  if (constant.size() == 0) return std::nullopt;
+  const VectorXd& x = constant.estimated;
+  const VectorXd theta = constant.values(x);
+  const auto [numbers, unknown_of] = targets_of(constant, theta);
+  const auto [held, setup] = hold(problem, constant, theta, estimate.augmented_model->options().substeps);
+  RunsBeside runs(held, setup, record, estimate, {}, numbers);
+  if (runs.memory() > most_memory) return std::nullopt;
+  const double pass = steps_of_run(*held, record, *held->settings.substeps);
+  const double each = runs.carries_tangents() ? cost_of_tangent : 2.0 * cost_of_mean;
+  if (!budget.take(pass * (1.0 + cost_of_mean + each * static_cast<double>(unknown_of.size())))) return std::nullopt;
+
+  EstimationOptions options = rerun_options(runs.filter().choice.filter, held->settings, estimate);
+  options.keep_gains = true;
+  EstimationResult result = kalfem::estimate(*runs.filter().choice.augmented_model, runs.filter().input, options);
+  if (result.failure || !runs.run_base(std::move(result.gains))) return std::nullopt;
+  const WhiteInnovations whiten(result);
+  MatrixXd moved = MatrixXd::Zero(result.innovation.size(), constant.size());
+  for (const auto& group : runs.groups()) {
+    const auto derivatives = runs.derivatives(group);
+    for (std::size_t n = 0; n < group.size(); ++n) {
+      const auto& means = derivatives[n].means;
+      if (!means || !means->innovation.allFinite()) return std::nullopt;
+      const Index i = unknown_of[group[n]];
+      moved.col(i) += constant.slope(i, x[i]) / numbers.numbers[group[n]].scale * whiten(means->innovation).reshaped();
+    }
+  }
+  const VectorXd precision = constant.prior_deviation.cwiseAbs2().cwiseInverse();
+  MatrixXd information = moved.transpose() * moved;
+  information.diagonal() += precision;
+  const VectorXd gradient =
+      -moved.transpose() * whiten(result.innovation).reshaped() - precision.cwiseProduct(x - constant.prior);
+  const Eigen::LDLT<MatrixXd> factor(information);
+  UnknownInformation found{constant.places, factor.solve(MatrixXd::Identity(x.size(), x.size())),
+                           factor.solve(gradient)};
+  found.widening = found.about_the_estimates().diagonal().cwiseSqrt().cwiseQuotient(constant.deviation);
+  for (double& each : found.widening)
+    if (!(each > suspicious_widening)) each = 0.0;
+  return found;
+} catch (const InvalidInput&) {
+  return std::nullopt;  // at the estimates there is no structure
+}
+
+}  // namespace kalfem
