@@ -104,6 +104,24 @@ HeldUnknowns hold(const EstimationProblemPtr& problem, const ConstantUnknowns& c
   return {std::move(held), std::move(setup)};
 }
 
+/// S_k^-1/2 d nu_k / d x, channels and then samples, one column an unknown.
+std::optional<MatrixXd> white_derivatives(const RunsBeside& runs, const WhiteInnovations& whiten,
+                                          const ConstantUnknowns& constant, const Targets& targets) {
+  MatrixXd moved;
+  for (const auto& group : runs.groups()) {
+    const auto derivatives = runs.derivatives(group);
+    for (std::size_t n = 0; n < group.size(); ++n) {
+      const auto& means = derivatives[n].means;
+      if (!means || !means->innovation.allFinite()) return std::nullopt;
+      if (moved.size() == 0) moved.setZero(means->innovation.size(), constant.size());
+      const Index i = targets.unknown[group[n]];
+      const double in_state = constant.slope(i, constant.estimated[i]) / targets.numbers.numbers[group[n]].scale;
+      moved.col(i) += in_state * whiten(means->innovation).reshaped();
+    }
+  }
+  return moved;
+}
+
 }  // namespace
 
 std::optional<UnknownInformation> information_at_estimates(const EstimationProblemPtr& problem, const Record& record,
@@ -112,40 +130,33 @@ std::optional<UnknownInformation> information_at_estimates(const EstimationProbl
   if (constant.size() == 0) return std::nullopt;
   const VectorXd& x = constant.estimated;
   const VectorXd theta = constant.values(x);
-  const auto [numbers, unknown_of] = targets_of(constant, theta);
+  const Targets targets = targets_of(constant, theta);
   const auto [held, setup] = hold(problem, constant, theta, estimate.augmented_model->options().substeps);
-  RunsBeside runs(held, setup, record, estimate, {}, numbers);
+  RunsBeside runs(held, setup, record, estimate, {}, targets.numbers);
   if (runs.memory() > most_memory) return std::nullopt;
   const double pass = steps_of_run(*held, record, *held->settings.substeps);
-  const double each = runs.carries_tangents() ? cost_of_tangent : 2.0 * cost_of_mean;
-  if (!budget.take(pass * (1.0 + cost_of_mean + each * static_cast<double>(unknown_of.size())))) return std::nullopt;
+  const double derivative = runs.carries_tangents() ? cost_of_tangent : 2.0 * cost_of_mean;
+  if (!budget.take(pass * (1.0 + cost_of_mean + derivative * static_cast<double>(targets.unknown.size()))))
+    return std::nullopt;
 
   EstimationOptions options = rerun_options(runs.filter().choice.filter, held->settings, estimate);
   options.keep_gains = true;
   EstimationResult result = kalfem::estimate(*runs.filter().choice.augmented_model, runs.filter().input, options);
   if (result.failure || !runs.run_base(std::move(result.gains))) return std::nullopt;
   const WhiteInnovations whiten(result);
-  MatrixXd moved = MatrixXd::Zero(result.innovation.size(), constant.size());
-  for (const auto& group : runs.groups()) {
-    const auto derivatives = runs.derivatives(group);
-    for (std::size_t n = 0; n < group.size(); ++n) {
-      const auto& means = derivatives[n].means;
-      if (!means || !means->innovation.allFinite()) return std::nullopt;
-      const Index i = unknown_of[group[n]];
-      moved.col(i) += constant.slope(i, x[i]) / numbers.numbers[group[n]].scale * whiten(means->innovation).reshaped();
-    }
-  }
+  const auto moved = white_derivatives(runs, whiten, constant, targets);
+  if (!moved) return std::nullopt;
   const VectorXd precision = constant.prior_deviation.cwiseAbs2().cwiseInverse();
-  MatrixXd information = moved.transpose() * moved;
+  MatrixXd information = moved->transpose() * *moved;
   information.diagonal() += precision;
   const VectorXd gradient =
-      -moved.transpose() * whiten(result.innovation).reshaped() - precision.cwiseProduct(x - constant.prior);
+      -moved->transpose() * whiten(result.innovation).reshaped() - precision.cwiseProduct(x - constant.prior);
   const Eigen::LDLT<MatrixXd> factor(information);
   UnknownInformation found{constant.places, factor.solve(MatrixXd::Identity(x.size(), x.size())),
                            factor.solve(gradient)};
   found.widening = found.about_the_estimates().diagonal().cwiseSqrt().cwiseQuotient(constant.deviation);
-  for (double& each : found.widening)
-    if (!(each > suspicious_widening)) each = 0.0;
+  for (double& factor : found.widening)
+    if (!(factor > suspicious_widening)) factor = 0.0;
   return found;
 } catch (const InvalidInput&) {
   return std::nullopt;  // at the estimates there is no structure

@@ -334,7 +334,7 @@ ModelPlace OnlineLoop::place() const {
 
 std::shared_ptr<const AugmentedModel> OnlineLoop::model_at(const ModelPlace& place) const {
   const auto& [physical, relinearised, about] = place;
-  const auto start = physical == is_physical(*model_) ? model_ : run_start_model(physical);
+  auto start = physical == is_physical(*model_) ? model_ : run_start_model(physical);
   if (!relinearised) return start;
   if (std::ssize(linear_unknowns_) != about.values.size()) throw DamagedArchive();
   return std::make_shared<const AugmentedModel>(start->about(about.values, about.deviations));

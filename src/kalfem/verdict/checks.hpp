@@ -86,9 +86,9 @@ struct EstimatedUnknown {
 /// ("far_from_prior"), outside what its nature allows ("out_of_range"), with the other sign ("sign_changed"), at a
 /// bound of its transform ("at_bound"), one that the record says nothing about ("not_identified"), two that it cannot
 /// tell apart ("correlated") or three and more ("combination"), and deviations that are too small because innovations
-/// are correlated ("deviation_too_small") or as the filter linearised about moving estimates ("too_sure"). `correlation`: of the unknowns at the end, p x p. The filter linearises
-/// about its estimate: one that travelled far while the mean NIS is more than a fifth above the expected one is not to
-/// be trusted.
+/// are correlated ("deviation_too_small") or as the filter linearised about moving estimates ("too_sure").
+/// `correlation`: of the unknowns at the end, p x p. The filter linearises about its estimate: one that travelled far
+/// while the mean NIS is more than a fifth above the expected one is not to be trusted.
 std::vector<Reason> unknown_reasons(const std::vector<EstimatedUnknown>& unknowns,
                                     const Eigen::Ref<const Eigen::MatrixXd>& correlation, double mean_nis,
                                     double expected_nis);
