@@ -122,6 +122,18 @@ std::optional<MatrixXd> white_derivatives(const RunsBeside& runs, const WhiteInn
   return moved;
 }
 
+/// Nothing where rounding decides: where small differences of a motion grow exponentially, as on a strong spring they
+/// can, its derivatives by all numbers become parallel.
+std::optional<MatrixXd> inverse_of(const MatrixXd& information) {
+  constexpr double rounding = 1e-11;  // of tangents, whose error is 1e-6
+  const VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> modes(scale.asDiagonal() * information * scale.asDiagonal());
+  if (!(modes.eigenvalues().minCoeff() > rounding)) return std::nullopt;
+  const VectorXd root = modes.eigenvalues().cwiseSqrt().cwiseInverse();
+  const MatrixXd half = scale.asDiagonal() * modes.eigenvectors() * root.asDiagonal();
+  return half * half.transpose();
+}
+
 }  // namespace
 
 std::optional<UnknownInformation> information_at_estimates(const EstimationProblemPtr& problem, const Record& record,
@@ -151,9 +163,9 @@ std::optional<UnknownInformation> information_at_estimates(const EstimationProbl
   information.diagonal() += precision;
   const VectorXd gradient =
       -moved->transpose() * whiten(result.innovation).reshaped() - precision.cwiseProduct(x - constant.prior);
-  const Eigen::LDLT<MatrixXd> factor(information);
-  UnknownInformation found{constant.places, factor.solve(MatrixXd::Identity(x.size(), x.size())),
-                           factor.solve(gradient)};
+  const auto covariance = inverse_of(information);
+  if (!covariance) return std::nullopt;
+  UnknownInformation found{constant.places, *covariance, *covariance * gradient};
   found.widening = found.about_the_estimates().diagonal().cwiseSqrt().cwiseQuotient(constant.deviation);
   for (double& factor : found.widening)
     if (!(factor > suspicious_widening)) factor = 0.0;

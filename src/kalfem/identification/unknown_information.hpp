@@ -35,8 +35,8 @@ struct UnknownInformation {
 ///     g = -sum_k (d nu_k / d x)^T S_k^-1 nu_k,   I = sum_k (d nu_k / d x)^T S_k^-1 (d nu_k / d x),
 /// with which the maximum of the posterior is P (g - P_0^-1 (x - x_0)) away.
 ///
-/// Nothing where no unknown is constant, where one of them has no tangent, the filter stops, or the estimates make no
-/// structure. `budget`: filter steps; nothing, too, where it does not allow the run.
+/// Nothing where no unknown is constant, the filter stops, the estimates make no structure, or the derivatives are
+/// parallel but for rounding. `budget`: filter steps; nothing, too, where it does not allow the run.
 std::optional<UnknownInformation> information_at_estimates(const EstimationProblemPtr& problem, const Record& record,
                                                            const RecordEstimate& estimate, StepBudget& budget);
 
