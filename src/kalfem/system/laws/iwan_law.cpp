@@ -3,10 +3,8 @@
 #include <cmath>
 #include <memory>
 
-#include <fmt/format.h>
-
 #include "kalfem/system/laws/law_library.hpp"
-#include "kalfem/system/laws/pointwise_law.hpp"
+#include "kalfem/system/laws/slider.hpp"
 
 namespace kalfem {
 
@@ -34,32 +32,19 @@ struct IwanKernel {
       const double lower = i + 1 < sliders ? upper * ratio : 0.0;
       const double below = lower > 0.0 ? std::pow(lower, chi + 1.0) : 0.0, moment_below = below * lower;
       const double part = cumulated - below;
-      add(in, i, of_power_law * part, macroslip * share * (moment - moment_below) / part, out);
+      add_slider(in, i, of_power_law * part, macroslip * share * (moment - moment_below) / part, out);
       upper = lower;
       cumulated = below;
       moment = moment_below;
     }
-    add(in, sliders, of_power_law * beta, macroslip, out);
+    add_slider(in, sliders, of_power_law * beta, macroslip, out);
     return out;
-  }
-
-private:
-  static void add(const KernelInput<6, state_count>& in, std::size_t i, double stiffness, double limit,
-                  KernelOutput<state_count>& out) {
-    const double stretch = in.d - in.s[i], slipping = std::abs(stretch) > limit ? 1.0 : 0.0;
-    const double held = slipping > 0.0 ? std::copysign(limit, stretch) : stretch;
-    out.force += stiffness * held;
-    out.stiffness += (1.0 - slipping) * stiffness;
-    out.s[i] = in.duration > 0.0 ? in.d - held : in.s[i];
   }
 };
 
 }  // namespace
 
 ConnectorLawPtr iwan_law() {
-  std::vector<LawQuantity> states;
-  for (std::size_t i = 0; i <= sliders; ++i)
-    states.push_back({fmt::format("slip_{}", i + 1), "m", "displacement of a slider"});
   return std::make_shared<PointwiseLaw<IwanKernel>>(
       "iwan",
       std::vector<LawQuantity>{
@@ -69,7 +54,7 @@ ConnectorLawPtr iwan_law() {
           {"beta", "-", "stiffness of what slips last over that of the rest", Range::nonnegative},
           {"k", "N/m", "stiffness alongside", Range::nonnegative, 0.0},
           {"c", "N s/m", "damping alongside", Range::nonnegative, 0.0}},
-      std::move(states));
+      slips_of(sliders + 1));
 }
 
 }  // namespace kalfem

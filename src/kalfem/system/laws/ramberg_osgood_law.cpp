@@ -3,10 +3,8 @@
 #include <cmath>
 #include <memory>
 
-#include <fmt/format.h>
-
 #include "kalfem/system/laws/law_library.hpp"
-#include "kalfem/system/laws/pointwise_law.hpp"
+#include "kalfem/system/laws/slider.hpp"
 
 namespace kalfem {
 
@@ -40,7 +38,7 @@ struct RambergOsgoodKernel {
       const double corner = (r - 1.0) / r * (u * g - last_product) / (u - last_u);  // force
       const double plastic = balance * (r * last_u * corner - (r - 1.0) * last_product);
       const double slope = k / (1.0 + balance * r * u);
-      add(in, i, last_slope - slope, (corner + plastic) / k, out);
+      add_slider(in, i, last_slope - slope, (corner + plastic) / k, out);
       last_u = u;
       last_product = u * g;
       last_slope = slope;
@@ -59,23 +57,11 @@ private:
     const double exact = std::pow(corner, r), tangent = 1.0 + r * (corner - 1.0);
     return 2.0 * exact / (exact + tangent);
   }
-
-  static void add(const KernelInput<5, state_count>& in, std::size_t i, double stiffness, double limit,
-                  KernelOutput<state_count>& out) {
-    const double stretch = in.d - in.s[i], slipping = std::abs(stretch) > limit ? 1.0 : 0.0;
-    const double held = slipping > 0.0 ? std::copysign(limit, stretch) : stretch;
-    out.force += stiffness * held;
-    out.stiffness += (1.0 - slipping) * stiffness;
-    out.s[i] = in.duration > 0.0 ? in.d - held : in.s[i];
-  }
 };
 
 }  // namespace
 
 ConnectorLawPtr ramberg_osgood_law() {
-  std::vector<LawQuantity> states;
-  for (std::size_t i = 0; i < sliders; ++i)
-    states.push_back({fmt::format("slip_{}", i + 1), "m", "displacement of a slider"});
   return std::make_shared<PointwiseLaw<RambergOsgoodKernel>>(
       "ramberg_osgood",
       std::vector<LawQuantity>{
@@ -86,7 +72,7 @@ ConnectorLawPtr ramberg_osgood_law() {
           {"r", "-", "exponent of the plastic deformation, below 1.1 counts as 1.1: the larger, the sharper the knee",
            Range::at_least_one},
           {"c", "N s/m", "damping alongside", Range::nonnegative, 0.0}},
-      std::move(states));
+      slips_of(sliders));
 }
 
 }  // namespace kalfem
