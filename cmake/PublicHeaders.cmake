@@ -10,7 +10,7 @@ set(KALFEM_CORE_HEADERS
     base/interruption.hpp base/invalid_input.hpp base/progress.hpp
     diagnosis/diagnosis.hpp verdict/verdict.hpp
     estimation/consistency.hpp estimation/filter_kind.hpp estimation/parameter_transform.hpp identification/held_out_sensor.hpp identification/inference_choices.hpp identification/known_to.hpp identification/point_prior.hpp identification/unknown_scores.hpp
-    live/gate_options.hpp live/live_state.hpp live/online_options.hpp live/smoothed_estimate.hpp
+    live/gate_options.hpp live/live_state.hpp live/online_options.hpp
     information/sensor_placement.hpp linalg/sparse_factor.hpp sampling/marginal_prior.hpp sampling/posterior_mode.hpp
     model/finite_element_model.hpp model/linear_model.hpp model/lumped.hpp model/unit_system.hpp
     model/elements/element.hpp model/mesh/mesh.hpp model/mesh/properties.hpp

@@ -9,8 +9,8 @@
 
 #include "kalfem/api/estimate.hpp"
 #include "kalfem/estimation/consistency.hpp"
+#include "kalfem/live/live_state.hpp"
 #include "kalfem/live/online_options.hpp"
-#include "kalfem/live/smoothed_estimate.hpp"
 
 namespace kalfem {
 

@@ -16,6 +16,7 @@ using Eigen::VectorXd;
 
 namespace {
 
+constexpr double far_away = 2.0;          ///< deviations of the filter
 constexpr double most_memory = 1e9;       ///< of gains and derivatives [byte]
 constexpr double cost_of_mean = 0.2;      ///< filter steps that a step of the mean alone costs, about
 constexpr double cost_of_tangent = 0.05;  ///< that the tangent of a number adds to it
@@ -166,9 +167,10 @@ std::optional<UnknownInformation> information_at_estimates(const EstimationProbl
   const auto covariance = inverse_of(information);
   if (!covariance) return std::nullopt;
   UnknownInformation found{constant.places, *covariance, *covariance * gradient};
-  found.widening = found.about_the_estimates().diagonal().cwiseSqrt().cwiseQuotient(constant.deviation);
-  for (double& factor : found.widening)
-    if (!(factor > suspicious_widening)) factor = 0.0;
+  const VectorXd about = found.about_the_estimates().diagonal().cwiseSqrt().cwiseQuotient(constant.deviation);
+  const VectorXd left = covariance->diagonal().cwiseSqrt().cwiseQuotient(constant.deviation);
+  const VectorXd away = found.step.cwiseAbs().cwiseQuotient(constant.deviation);
+  found.widening = (left.array() > suspicious_widening || away.array() > far_away).select(about, 0.0);
   return found;
 } catch (const InvalidInput&) {
   return std::nullopt;  // at the estimates there is no structure

@@ -15,8 +15,8 @@ struct UnknownInformation {
   std::vector<Eigen::Index> unknowns;  ///< their places among the filter's unknowns
   Eigen::MatrixXd covariance;          ///< P = (I + P_0^-1)^-1
   Eigen::VectorXd step;                ///< from the filter's estimate to the maximum of the posterior
-  /// sqrt(P_ii + step_i^2) over the deviation of the filter where that is more than 1.5, as the filter is too sure of
-  /// the unknown; 0 of those that agree.
+  /// sqrt(P_ii + step_i^2) over the deviation of the filter where that is too sure of the unknown: sqrt(P_ii) is more
+  /// than 1.5 times as large, or the maximum more than two of its deviations away; 0 of the others.
   Eigen::VectorXd widening = {};
 
   [[nodiscard]] bool any_too_sure() const { return widening.size() > 0 && widening.maxCoeff() > 0.0; }

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
+#include <vector>
 
 /// What a filter that is moved by its samples says of itself.
 namespace kalfem {
@@ -17,6 +19,18 @@ struct PresentParameter {
   std::string name, unit;
   double mean = 0.0, std = 0.0;
   double lower = 0.0, upper = 0.0;  ///< interval of 95 %
+};
+
+/// The estimate of an earlier sample from all samples so far.
+struct SmoothedEstimate {
+  double time = 0.0;  ///< of that sample, the first one at 0 [s]
+  std::vector<PresentParameter> parameters;
+  /// By the names of the filter's own estimates: motions, strains, unknown inputs and the outputs that were asked for.
+  std::vector<std::pair<std::string, PresentEstimate>> outputs;
+
+  /// Look-up by name; throw InvalidInput if there is none.
+  [[nodiscard]] const PresentParameter& parameter(const std::string& name) const;
+  [[nodiscard]] const PresentEstimate& output(const std::string& name) const;
 };
 
 /// Why and when a filter stopped.

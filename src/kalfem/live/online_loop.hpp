@@ -13,9 +13,9 @@
 #include "kalfem/live/fixed_lag.hpp"
 #include "kalfem/live/innovation_window.hpp"
 #include "kalfem/live/last_consistent.hpp"
+#include "kalfem/live/live_state.hpp"
 #include "kalfem/live/online_options.hpp"
 #include "kalfem/live/sensor_gate.hpp"
-#include "kalfem/live/smoothed_estimate.hpp"
 
 namespace kalfem {
 

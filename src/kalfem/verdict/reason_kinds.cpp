@@ -100,7 +100,8 @@ std::span<const ReasonKind> reason_kinds() {
       {{"too_sure"},
        "the filter's standard deviation of an unknown, which rests on linearisations about the estimates of each "
        "moment, "
-       "is 1.5 times too small or more beside that about one point ([tangents](theory/tangents.md#whether-the-filter-is-too-sure))",
+       "is 1.5 times too small or more beside that about one point, or the most likely value is more than twice it "
+       "away ([tangents](theory/tangents.md#whether-the-filter-is-too-sure))",
        Gravity::suspicious,
        false},
       {{"open_loop_error", "open_loop_failed"}, "the estimates alone do not reproduce the record"},
