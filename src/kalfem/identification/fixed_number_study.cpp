@@ -22,8 +22,6 @@ constexpr double most_memory = 1e9;  ///< of gains and derivatives [byte]
 constexpr double level = 0.005;      ///< of the test of all numbers together
 /// In deviations of an unknown: a number that is wrong moves it by some ten, one that is known to a deviation by more.
 constexpr double prior_breadth = 20.0, stated_breadth = 300.0;
-constexpr double cost_of_mean = 0.2;      ///< filter steps that a step of the mean alone costs, about
-constexpr double cost_of_tangent = 0.05;  ///< that the tangent of a number adds to it
 
 /// What the unknowns' narrower priors about the estimates know beyond those of the problem: 1 / variance, in their
 /// units at the estimates; 0 where they are not narrower.
@@ -267,11 +265,8 @@ std::optional<FixedNumberResult> study_fixed_numbers(const EstimationProblemPtr&
   const EstimationProblemPtr about =
       about_estimates(*problem, estimate, problem->settings.known_to.empty() ? prior_breadth : stated_breadth);
   RunsBeside runs(about, setup, record, estimate, options, changed);
-  const std::size_t count = runs.numbers().size();
-  if (count == 0 || runs.memory() > most_memory) return std::nullopt;
-  const double pass = steps_of_run(*about, record, *about->settings.substeps);
-  const double cost_of_number = runs.carries_tangents() ? cost_of_tangent : cost_of_mean;
-  if (!budget.take(pass * (1.0 + cost_of_mean + cost_of_number * static_cast<double>(count)))) return std::nullopt;
+  if (runs.numbers().empty() || runs.memory() > most_memory) return std::nullopt;
+  if (!budget.take(runs.steps())) return std::nullopt;
 
   const FilterRun& filter = runs.filter();
   EstimationOptions options_of_filter = rerun_options(filter.choice.filter, problem->settings, estimate);

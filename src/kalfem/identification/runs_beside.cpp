@@ -14,9 +14,11 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double step = 1e-4;          ///< of a number beside its value, in its scale
-constexpr double most_at_once = 64.0;  ///< numbers of a group
-constexpr double most_memory = 2e8;    ///< of their derivatives, and of what their models differ in [byte]
+constexpr double step = 1e-4;             ///< of a number beside its value, in its scale
+constexpr double most_at_once = 64.0;     ///< numbers of a group
+constexpr double cost_of_mean = 0.2;      ///< filter steps that a step of the mean alone costs, about
+constexpr double cost_of_tangent = 0.05;  ///< that the tangent of a number adds to it
+constexpr double most_memory = 2e8;       ///< of their derivatives, and of what their models differ in [byte]
 
 /// The central differences of a series over its samples, [1/sample]; at its ends one-sided.
 MatrixXd rate_of(const MatrixXd& series) {
@@ -56,6 +58,12 @@ RunsBeside::RunsBeside(EstimationProblemPtr problem, const AugmentedModelSetup& 
   held_.structure = base_setup_.linear_unknowns.structure;
   base_setup_.starts_at_rest = !estimate.start.moving;
   filter_ = make_filter_run(problem_, base_setup_, record_);
+}
+
+double RunsBeside::steps() const {
+  const double of_number = carries_tangents() ? cost_of_tangent : cost_of_mean;
+  return steps_of_run(*problem_, record_, *problem_->settings.substeps) *
+         (1.0 + cost_of_mean + of_number * static_cast<double>(numbers_.size()));
 }
 
 double RunsBeside::memory() const {

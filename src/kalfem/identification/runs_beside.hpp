@@ -31,6 +31,8 @@ public:
   [[nodiscard]] const Eigen::VectorXd& stand_at() const { return stand_at_; }
   /// Whether the filter's model has tangents; otherwise each number takes a run.
   [[nodiscard]] bool carries_tangents() const { return has_tangents(*filter_.choice.augmented_model); }
+  /// Filter steps that the filter's run, that of the mean and the derivatives by all numbers cost together, about.
+  [[nodiscard]] double steps() const;
   /// Of the gains, and of the derivatives of the innovations by every number [byte].
   [[nodiscard]] double memory() const;
 

@@ -16,10 +16,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double far_away = 2.0;          ///< deviations of the filter
-constexpr double most_memory = 1e9;       ///< of gains and derivatives [byte]
-constexpr double cost_of_mean = 0.2;      ///< filter steps that a step of the mean alone costs, about
-constexpr double cost_of_tangent = 0.05;  ///< that the tangent of a number adds to it
+constexpr double far_away = 2.0;     ///< deviations of the filter
+constexpr double most_memory = 1e9;  ///< of gains and derivatives [byte]
 
 VectorXd last_of(const MatrixXd& series, const std::vector<Index>& rows) { return series.rightCols(1)(rows, 0); }
 
@@ -147,10 +145,7 @@ std::optional<UnknownInformation> information_at_estimates(const EstimationProbl
   const auto [held, setup] = hold(problem, constant, theta, estimate.augmented_model->options().substeps);
   RunsBeside runs(held, setup, record, estimate, {}, targets.numbers);
   if (runs.memory() > most_memory) return std::nullopt;
-  const double pass = steps_of_run(*held, record, *held->settings.substeps);
-  const double derivative = runs.carries_tangents() ? cost_of_tangent : 2.0 * cost_of_mean;
-  if (!budget.take(pass * (1.0 + cost_of_mean + derivative * static_cast<double>(targets.unknown.size()))))
-    return std::nullopt;
+  if (!budget.take(runs.steps())) return std::nullopt;
 
   EstimationOptions options = rerun_options(runs.filter().choice.filter, held->settings, estimate);
   options.keep_gains = true;
