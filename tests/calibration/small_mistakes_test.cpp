@@ -10,6 +10,7 @@
 #include "kalfem/api/sensor_record.hpp"
 #include "kalfem/diagnosis/judge_estimation.hpp"
 #include "kalfem/identification/fixed_number_study.hpp"
+#include "kalfem/identification/fixed_numbers.hpp"
 #include "kalfem/identification/record_estimate.hpp"
 #include "kalfem/identification/stated_interval.hpp"
 
@@ -146,11 +147,11 @@ TEST(StatedNumbers, StandInTheIntervals) {
     std::normal_distribution<double> normal;
     Structure model = given.structure;
     Record record = given.record;
-    const auto known = estimate(model, record, given.options).fixed_numbers;  // for the groups alone
-    for (const auto& each : known) {
-      const double draw = normal(generator) * each.known_to;
-      if (each.known_to == 0.0) continue;
-      if (each.group == "gains")
+    const auto made = make_filter_problem(model, record.sample_rate, given.options);
+    for (const auto& each : fixed_numbers(*made.problem, made.problem->structure->parts, made.setup, {})) {
+      const double draw = normal(generator) * each.deviation;
+      if (each.deviation == 0.0) continue;
+      if (each.kind == FixedNumberKind::gain)
         record.values.row(record.find(each.name.substr(0, each.name.rfind('.')))) *= 1.0 + draw;
       else
         model = model.at({{each.name, each.value * (1.0 + draw)}});

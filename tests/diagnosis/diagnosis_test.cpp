@@ -113,6 +113,24 @@ TEST_F(Diagnoses, FindAFixedParameter) {
   EXPECT_NEAR(results.get<EstimationOutcome>().diagnosis->tested[0].value, 20.0 / 26.0, 0.03);
 }
 
+/// Neither one explains the record without the other.
+TEST_F(Diagnoses, NameTwoMistakesAtOnce) {
+  auto wrong = clean;
+  wrong.sensors.values.row(2) *= -1.0;
+  const auto results = run(wrong, {{"stiffness: 20 kN/m", "stiffness: 26 kN/m"}});
+  const auto together = results.get<EstimationOutcome>().diagnosis->together;
+  ASSERT_EQ(together.size(), 2);
+  EXPECT_EQ(together[0].code + " " + together[0].subject, "sensor_sign a7");
+  EXPECT_EQ(together[1].code + " " + together[1].subject, "fixed_parameter wheel.k_w.stiffness");
+  EXPECT_NEAR(together[1].value, 20.0 / 26.0, 0.03);
+  EXPECT_NEAR(together[1].mean_nis, 4.0, 0.4);
+  EXPECT_GT(together[1].nis_before, 5.0);
+  const auto reasons = results.verdict.reasons();
+  EXPECT_EQ(reasons[0].code, "sensor_sign");
+  EXPECT_EQ(reasons[1].code, "fixed_parameter");
+  EXPECT_NE(reasons[0].text.find("wheel.k_w.stiffness"), std::string::npos) << reasons[0].text;
+}
+
 TEST(Likeness, FindsLagSignAndGain) {
   Eigen::RowVectorXd x(400), y(400);
   for (Index k = 0; k < 400; ++k) x[k] = std::sin(0.37 * double(k)) + std::sin(0.113 * double(k * k % 331));

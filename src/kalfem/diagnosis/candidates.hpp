@@ -15,8 +15,9 @@ std::vector<Hypothesis> sensor_hypotheses(const DiagnosisInput& input, const Fil
                                           const std::vector<Likeness>& likeness, const Likeness& of_all);
 
 /// What the excitations may have against them: sign, unit, gain, delay of each, another rate of all.
-/// `likeness`: of the sensors to what each excitation gives, less what the others give.
-std::vector<Hypothesis> excitation_hypotheses(const FilterRun& base, const std::vector<std::string>& sources,
+/// `sample_rate`: of the record [Hz]. `likeness`: of the sensors to what each excitation gives, less what the others
+/// give.
+std::vector<Hypothesis> excitation_hypotheses(double sample_rate, const std::vector<std::string>& sources,
                                               const std::vector<Likeness>& likeness);
 
 /// Size of the motion of a connector in a run.

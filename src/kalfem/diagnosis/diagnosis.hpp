@@ -18,6 +18,9 @@ struct LackingForce {
   std::optional<double> place;                              ///< s, where the force has one [SI]
 };
 
+/// Rise of the log-likelihood that a mistake must bring.
+constexpr double significant_rise = 20.0;
+
 /// A mistake that was undone, and how well the record fits then.
 struct TestedHypothesis {
   std::string code, subject;
@@ -33,20 +36,29 @@ struct TestedHypothesis {
   /// 461-464).
   double gain = 0.0;
   double mean_nis = 0.0, expected_nis = 0.0;  ///< afterwards
+  double nis_before = 0.0;                    ///< mean NIS as given, or with the mistake undone that is beside it
   double widening = 1.0;                      ///< of the worst sensor afterwards, see SensorConsistency
 };
 
-/// Which single mistake explains a run that contradicts itself.
+/// Which mistake, or which two, explain a run that contradicts itself.
 struct Diagnosis {
   double duration = 0.0;  ///< of the part of the record that was used, from its start [s]
   bool failed = false;    ///< whether the filter stopped in that part as it was given
   double mean_nis = 0.0, expected_nis = 0.0, widening = 1.0;  ///< as it was given
-  std::vector<TestedHypothesis> tested;                       ///< best first
+  std::vector<TestedHypothesis> tested;                       ///< one at a time, best first
   std::vector<std::string> also;                              ///< others that explain as much as the best, in words
+  /// Two mistakes at once, where one does not explain all: each beside the other, the one that explains more first.
+  std::vector<TestedHypothesis> together = {};
   double seconds = 0.0;
 
-  /// The best, if it explains the record far better than what was given.
-  [[nodiscard]] std::optional<TestedHypothesis> cause() const;
+  /// The best of those that were tested one at a time, if it explains the record far better than what was given.
+  [[nodiscard]] std::optional<TestedHypothesis> single_cause() const;
+  /// The two mistakes at once, or the single cause; empty: nothing explains the record far better.
+  [[nodiscard]] std::vector<TestedHypothesis> causes() const;
+  /// Whether innovations are white and of their size with the single cause undone.
+  [[nodiscard]] bool one_explains_all() const;
+  /// The same of all causes.
+  [[nodiscard]] bool explains_all() const;
 };
 
 }  // namespace kalfem

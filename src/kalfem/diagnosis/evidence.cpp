@@ -127,7 +127,7 @@ Candidates all_candidates(const DiagnosisInput& input, const FilterRun& base, co
     all.hypotheses.insert(all.hypotheses.end(), std::make_move_iterator(further.begin()),
                           std::make_move_iterator(further.end()));
   };
-  append(excitation_hypotheses(base, evidence.sources(), evidence.likeness_of_excitations()));
+  append(excitation_hypotheses(input.record.sample_rate, evidence.sources(), evidence.likeness_of_excitations()));
   append(model_hypotheses(input, all.motion));
   return all;
 }

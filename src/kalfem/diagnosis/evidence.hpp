@@ -9,7 +9,6 @@ namespace kalfem {
 
 /// Every mistake that the run suggests, with first guesses of its number from what runs over the record say: each
 /// sensor beside its prediction by the others, each excitation beside what it explains, the motion of connectors.
-/// They hold references to `input` and `base`.
 struct Candidates {
   std::vector<Hypothesis> hypotheses;
   std::vector<ConnectorMotion> motion;  ///< of each connector of the parts; empty: not known

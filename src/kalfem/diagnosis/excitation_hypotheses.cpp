@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -27,10 +29,17 @@ Eigen::Map<MatrixXd, 0, Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>> rows_of(M
   return {inputs.data() + i, 3, inputs.cols(), {inputs.rows(), count}};
 }
 
+/// The input with a further change of what the filter receives.
+Correction with(const DiagnosisInput& input, std::function<void(FilterRun&)> change) {
+  Correction made{input};
+  made.input.on_run.push_back(std::move(change));
+  return made;
+}
+
 class ExcitationHypotheses {
 public:
-  ExcitationHypotheses(const FilterRun& base, Index input, const std::string& source, const Likeness& likeness)
-      : base_(base), i_(input), name_(name_of(source)), likeness_(likeness) {}
+  ExcitationHypotheses(double sample_rate, Index input, const std::string& source, const Likeness& likeness)
+      : sample_rate_(sample_rate), i_(input), name_(name_of(source)), likeness_(likeness) {}
 
   std::vector<Hypothesis> all() {
     add_sign();
@@ -40,17 +49,15 @@ public:
   }
 
 private:
-  [[nodiscard]] CorrectedRun scaled(double factor) const {
-    CorrectedRun corrected{base_, 0.0};
-    rows_of(corrected.run.input.inputs, i_) *= factor;
-    return corrected;
+  [[nodiscard]] Correction scaled(const DiagnosisInput& input, double factor) const {
+    return with(input, [i = i_, factor](FilterRun& run) { rows_of(run.input.inputs, i) *= factor; });
   }
 
   void add_sign() {
     found_.push_back(
         {.code = "excitation_sign",
          .subject = name_,
-         .correct = [*this](double) { return scaled(-1.0); },
+         .correct = [*this](const DiagnosisInput& input, double) { return scaled(input, -1.0); },
          .words = [name = name_](double,
                                  const auto&) { return fmt::format("the excitation '{}' has the wrong sign", name); },
          .remedy = "turn the direction of '" + name_ + "'"});
@@ -59,7 +66,9 @@ private:
   /// The gain of the response is that of the excitation's true size over the given one.
   void add_gain() {
     const double gain = std::abs(likeness_.gain), turned = likeness_.known && likeness_.gain < 0.0 ? -1.0 : 1.0;
-    const auto correct = [*this, turned](double given) { return scaled(turned / given); };
+    const auto correct = [*this, turned](const DiagnosisInput& input, double factor) {
+      return scaled(input, turned / factor);
+    };
     const bool known = likeness_.known && gain > 0.0;
     const double tolerance = std::abs(std::log(gain)) > 1.0 ? roughly_a_unit : like_a_unit;
     for (const double unit : unit_factors_near(known ? std::optional(1.0 / gain) : std::nullopt, tolerance))
@@ -76,7 +85,7 @@ private:
     if (known && std::abs(std::log(gain)) > worth_a_gain)
       found_.push_back({.code = "excitation_gain",
                         .subject = name_,
-                        .starts = {1.0 / gain},
+                        .starts = {1.0 / gain, 0.8, 1.25},
                         .search = Search::factor,
                         .step = 0.05,
                         .fitted = 1,
@@ -91,14 +100,15 @@ private:
 
   void add_delay() {
     if (!likeness_.known || likeness_.lag == 0 || std::abs(likeness_.correlation) < worth_a_delay) return;
-    const double rate = base_.input.measured.sample_rate;
+    const double rate = sample_rate_;
     found_.push_back({.code = "excitation_delay",
                       .subject = name_,
                       .starts = {static_cast<double>(-likeness_.lag)},
                       .search = Search::samples,
                       .step = 1.0,
                       .fitted = 1,
-                      .correct = [*this](double late) { return earlier(static_cast<Index>(std::lround(late))); },
+                      .correct = [*this](const DiagnosisInput& input,
+                                         double late) { return earlier(input, static_cast<Index>(std::lround(late))); },
                       .words =
                           [name = name_, rate](double late, const auto&) {
                             return fmt::format("the excitation '{}' is {} ms {} against the sensors", name,
@@ -108,18 +118,17 @@ private:
   }
 
   /// The input moved to earlier times by so many samples; its ends are held.
-  [[nodiscard]] CorrectedRun earlier(Index samples) const {
-    CorrectedRun corrected{base_, 0.0};
-    MatrixXd& inputs = corrected.run.input.inputs;
-    const Index stride = base_.input.input_stride(base_.choice.augmented_model->options().instants());
-    auto moved = rows_of(inputs, i_);
-    const MatrixXd given = moved;
-    for (Index k = 0; k < given.cols(); ++k)
-      moved.col(k) = given.col(std::clamp<Index>(k + samples * stride, 0, given.cols() - 1));
-    return corrected;
+  [[nodiscard]] Correction earlier(const DiagnosisInput& input, Index samples) const {
+    return with(input, [i = i_, samples](FilterRun& run) {
+      const Index stride = run.input.input_stride(run.choice.augmented_model->options().instants());
+      auto moved = rows_of(run.input.inputs, i);
+      const MatrixXd given = moved;
+      for (Index k = 0; k < given.cols(); ++k)
+        moved.col(k) = given.col(std::clamp<Index>(k + samples * stride, 0, given.cols() - 1));
+    });
   }
 
-  const FilterRun& base_;
+  double sample_rate_;
   Index i_;
   std::string name_;
   Likeness likeness_;
@@ -127,10 +136,8 @@ private:
 };
 
 /// All inputs with their time running `scale` times as fast: r(t) becomes r(scale t), and so its derivatives' sizes.
-CorrectedRun at_another_rate(const FilterRun& base, double scale) {
-  CorrectedRun corrected{base, 0.0};
-  const MatrixXd& given = base.input.inputs;
-  MatrixXd& inputs = corrected.run.input.inputs;
+void run_at_another_rate(MatrixXd& inputs, double scale) {
+  const MatrixXd given = inputs;
   const Index n_u = given.rows() / 3, last = given.cols() - 1;
   VectorXd factor(given.rows());
   factor << VectorXd::Ones(n_u), VectorXd::Constant(n_u, scale), VectorXd::Constant(n_u, scale * scale);
@@ -140,14 +147,16 @@ CorrectedRun at_another_rate(const FilterRun& base, double scale) {
     const double weight = at - static_cast<double>(before);
     inputs.col(k) = factor.cwiseProduct((1.0 - weight) * given.col(before) + weight * given.col(before + 1));
   }
-  return corrected;
 }
 
-Hypothesis other_rate(const FilterRun& base, const std::string& names, double scale) {
+Hypothesis other_rate(const std::string& names, double scale) {
   return {.code = "excitation_rate",
           .subject = names,
           .starts = {scale},
-          .correct = [&base](double value) { return at_another_rate(base, value); },
+          .correct =
+              [](const DiagnosisInput& input, double value) {
+                return with(input, [value](FilterRun& run) { run_at_another_rate(run.input.inputs, value); });
+              },
           .words =
               [names](double value, const auto&) {
                 return fmt::format("the time of the excitation '{}' runs {} times as {} as the record's", names,
@@ -158,18 +167,18 @@ Hypothesis other_rate(const FilterRun& base, const std::string& names, double sc
 
 }  // namespace
 
-std::vector<Hypothesis> excitation_hypotheses(const FilterRun& base, const std::vector<std::string>& sources,
+std::vector<Hypothesis> excitation_hypotheses(double sample_rate, const std::vector<std::string>& sources,
                                               const std::vector<Likeness>& likeness) {
   std::vector<Hypothesis> found;
   std::string names;
   for (std::size_t i = 0; i < sources.size(); ++i) {
     if (sources[i].empty()) continue;
-    auto own = ExcitationHypotheses(base, static_cast<Index>(i), sources[i], likeness[i]).all();
+    auto own = ExcitationHypotheses(sample_rate, static_cast<Index>(i), sources[i], likeness[i]).all();
     found.insert(found.end(), std::make_move_iterator(own.begin()), std::make_move_iterator(own.end()));
     names += (names.empty() ? "" : ", ") + name_of(sources[i]);
   }
   if (!names.empty())
-    for (const double scale : time_scales) found.push_back(other_rate(base, names, scale));
+    for (const double scale : time_scales) found.push_back(other_rate(names, scale));
   return found;
 }
 

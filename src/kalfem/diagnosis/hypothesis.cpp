@@ -6,8 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "kalfem/base/invalid_input.hpp"
-
 namespace kalfem {
 
 namespace {
@@ -35,20 +33,7 @@ constexpr UnitMistake unit_mistakes[] = {{1.0 / 9.80665, "it is in g, not in m/s
                                          {1.0 / 0.3048, "it is in feet, not in m"},
                                          {0.3048, "it is in m, not in feet"}};
 
-FilterRun run_of_all(const EstimationProblemPtr& problem, const StructureParts& parts, const Record& record) {
-  IssueList issues;
-  const auto setup = make_augmented_model_setup(*problem, parts, {}, issues);
-  issues.raise();
-  return make_filter_run(problem, setup, record);
-}
-
 }  // namespace
-
-FilterRun DiagnosisInput::run_of(const EstimationProblemPtr& changed, const StructureParts& changed_parts) const {
-  return run_of_all(changed, changed_parts, record);
-}
-
-FilterRun DiagnosisInput::run_over(const Record& changed) const { return run_of_all(problem, parts, changed); }
 
 std::string in_words(double value) { return fmt::format("{:.3g}", value); }
 

@@ -6,40 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "kalfem/diagnosis/correction.hpp"
 #include "kalfem/diagnosis/diagnosis.hpp"
-#include "kalfem/estimation/estimate.hpp"
-#include "kalfem/identification/filter_run.hpp"
-#include "kalfem/identification/step_budget.hpp"
 
 namespace kalfem {
-
-/// A run of a filter that is to be explained: the problem, the parts that its model is made of, and the record.
-struct DiagnosisInput {
-  EstimationProblemPtr problem;
-  StructureParts parts;
-  Record record;
-  EstimationOptions options = {};
-  Eigen::VectorXd nis = {};               ///< of the run that is to be explained, up to where it stopped
-  double steps = StepBudget::unlimited;   ///< filter steps that all trials together may take
-  std::vector<std::string> updated = {};  ///< parameters that an updating found: they are not held fixed
-
-  /// The filter's run over the record for this problem or a changed one.
-  [[nodiscard]] FilterRun run_of(const EstimationProblemPtr& changed, const StructureParts& changed_parts) const;
-  /// The filter's run over a changed record, with the start that this one asks for.
-  [[nodiscard]] FilterRun run_over(const Record& changed) const;
-};
-
-/// A run in which a mistake is undone.
-struct CorrectedRun {
-  FilterRun run;
-  /// log |d corrected / d recorded| over all samples, which makes likelihoods of corrected records comparable.
-  double log_jacobian = 0.0;
-};
 
 /// How the number of a hypothesis is searched.
 enum class Search { none, samples, factor, offset };
 
-/// One mistake that would explain why a record and a model do not fit, and the run without it.
+/// One mistake that would explain why a record and a model do not fit, and how it is undone.
 struct Hypothesis {
   std::string code;                    ///< for programs: "sensor_sign"
   std::string subject;                 ///< sensor, excitation, parameter, connector or substructure
@@ -51,7 +26,7 @@ struct Hypothesis {
   /// It only allows a sensor larger innovations. That is an explanation where they are white and even by it; otherwise
   /// anything that is wrong near the sensor would be one.
   bool widens = false;
-  std::function<CorrectedRun(double value)> correct;
+  std::function<Correction(const DiagnosisInput& input, double value)> correct;
   /// The mistake in words: "'a7' has the wrong sign".
   /// `estimates`: of the unknowns at the end of the corrected run.
   std::function<std::string(double value, const Eigen::VectorXd& estimates)> words;

@@ -43,13 +43,8 @@ void add_stops(const ConnectorMotion& motion, double force, std::vector<LawTerm>
   if (lower > 0.0) stop(false, lower);
 }
 
-/// The law with the terms behind its own connector, as connectors between the same points, and their unknowns.
-struct FurtherTerms {
-  StructureParts parts;
-  std::vector<Unknown> unknowns;
-};
-
-void add_term(const ConnectorDescription& connector, const LawTerm& term, double place, FurtherTerms& terms) {
+/// The force as a connector between the same points, with its unknown.
+void add_term(const ConnectorDescription& connector, const LawTerm& term, double place, FurtherForces& forces) {
   const std::string name = fmt::format("{} ({})", connector.name, term.name);
   ExpressionLawOptions options{.force = term.force, .parameters = {{"K", term.unit}}, .states = term.states};
   VectorXd values = VectorXd::Zero(term.searched() ? 2 : 1);
@@ -57,10 +52,10 @@ void add_term(const ConnectorDescription& connector, const LawTerm& term, double
     options.parameters.push_back({"s", term.unit_of_place});
     values[1] = place;
   }
-  terms.parts.connectors.push_back({name, connector.from, connector.to, expression_law(options), values});
-  terms.unknowns.push_back({.name = name + ".K",
-                            .targets = {{name + ".K", name, term.unit, 0.0, ConnectorParameter{0}}},
-                            .deviation = term.deviation});
+  forces.connectors.push_back({name, connector.from, connector.to, expression_law(options), values});
+  forces.unknowns.push_back({.name = name + ".K",
+                             .targets = {{name + ".K", name, term.unit, 0.0, ConnectorParameter{0}}},
+                             .deviation = term.deviation});
 }
 
 std::string in_words(const LawTerm& term, double place, double coefficient) {
@@ -178,17 +173,12 @@ Hypothesis lacking_terms(const DiagnosisInput& input, const ConnectorDescription
       .step = 0.15,
       .fitted = fitted,
       .correct =
-          [&input, connector, at, sought](double place) {
+          [connector, at, sought](const DiagnosisInput& given, double place) {
             if (sought.searched() && (place < sought.least || place > sought.most))
               throw InvalidInput("the number of a further force", "it is beyond what the record shows", "");
-            FurtherTerms further{input.parts, {}};
+            FurtherForces further;
             for (const auto& [term, value] : at(place)) add_term(connector, term, value, further);
-            auto changed = std::make_shared<EstimationProblem>(*input.problem);
-            auto structure = std::make_shared<StructureModel>(*input.problem->structure);
-            structure->parts.connectors = further.parts.connectors;
-            changed->structure = structure;
-            for (auto& unknown : further.unknowns) changed->settings.unknowns.push_back(std::move(unknown));
-            return CorrectedRun{input.run_of(changed, further.parts), 0.0};
+            return with_forces(given, further);
           },
       .words =
           [connector, at, first](double place, const VectorXd& estimates) {

@@ -52,15 +52,16 @@ MatrixXd predicted_without(const DiagnosisInput& input, const FilterRun& run, co
                            const std::vector<Index>& left_out) {
   const auto& measured = run.input.measured;
   FilterInput heard = run.input;
-  Record others = input.record;
+  DiagnosisInput others = input;
   for (const Index i : left_out) {
     heard.noise(i, i) =
         not_listened_to * not_listened_to * std::max(heard.noise(i, i), mean_square(measured.values.row(i)));
-    others.values.row(others.find(measured.channels[static_cast<std::size_t>(i)].name)).setConstant(not_a_number);
+    Record& record = others.record;
+    record.values.row(record.find(measured.channels[static_cast<std::size_t>(i)].name)).setConstant(not_a_number);
   }
   // A start that is read from displacement sensors needs all of them.
   const bool given_start = input.problem->settings.initial_state_from_record;
-  const auto choice = given_start ? run.choice : input.run_over(others).choice;
+  const auto choice = given_start ? run.choice : others.run().choice;
   const auto result = estimate(*choice.augmented_model, heard, options);
   if (result.failure) return {};
   return measured.values - result.innovation;

@@ -45,6 +45,12 @@ bool is_doubtful(const RecordEstimate& estimate) {
   });
 }
 
+/// A mistake that explains all takes the place of a change that does not.
+void forget_change(RecordEstimate& estimate) {
+  estimate.jump.reset();
+  std::erase_if(estimate.events, [](const SensorEvent& event) { return event.is_change(); });
+}
+
 /// The NIS of every sample that the filter computed.
 Eigen::VectorXd computed_nis(const EstimationResult& result) {
   return result.failure ? result.nis.head(std::min(result.failure->computed, result.nis.size())) : result.nis;
@@ -73,10 +79,13 @@ std::optional<Diagnosis> look_for_cause(const EstimationProblem& problem, const 
          .steps = estimate.steps_left,
          .updated = updated});
   }
+  if (diagnosis && estimate.jump && !estimate.jump->explains && diagnosis->explains_all()) forget_change(estimate);
   if (!diagnosis)
     estimate.leave_out("the mistake behind the contradiction");
-  else if (std::isfinite(estimate.steps_left))
+  else if (std::isfinite(estimate.steps_left)) {
+    if (!diagnosis->one_explains_all()) estimate.leave_out("a second mistake beside the likeliest one");
     estimate.steps_left = 0.0;
+  }
   return diagnosis;
 }
 

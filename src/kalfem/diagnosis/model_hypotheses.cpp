@@ -23,11 +23,8 @@ constexpr double prior_of_law = 0.3;  ///< of each further term of a law, relati
 constexpr std::size_t most_parameters = 80;
 constexpr const char* suffix = " (further terms)";
 
-/// The problem with one unknown more for each of `unknowns`, in the place after its own.
-std::shared_ptr<EstimationProblem> released(const EstimationProblem& problem, std::vector<Unknown> unknowns) {
-  auto changed = std::make_shared<EstimationProblem>(problem);
-  for (auto& unknown : unknowns) changed->settings.unknowns.push_back(std::move(unknown));
-  return changed;
+bool contains(const std::vector<std::string>& all, const std::string& name) {
+  return std::ranges::find(all, name) != all.end();
 }
 
 /// Parameters that neither the filter nor an updating found, at a value other than zero.
@@ -35,7 +32,7 @@ std::vector<Parameter> fixed_parameters(const DiagnosisInput& input) {
   const EstimationProblem& problem = *input.problem;
   auto fixed =
       kalfem::fixed_parameters(*problem.structure, input.parts, estimated_parameters(problem.settings, input.updated));
-  std::erase_if(fixed, [](const Parameter& parameter) { return parameter.value == 0.0; });
+  std::erase_if(fixed, [&](const Parameter& each) { return each.value == 0.0 || contains(input.added, each.owner); });
   return fixed;
 }
 
@@ -71,28 +68,24 @@ std::vector<std::vector<Parameter>> candidates_of(const DiagnosisInput& input) {
 }
 
 /// The problem and its parts with these parameters at `factor` times their values.
-CorrectedRun with_parameters(const DiagnosisInput& input, const std::vector<Parameter>& parameters, double factor) {
-  StructureParts parts = input.parts;
-  std::vector<StructureBinding> of_elements;
-  auto structure = std::make_shared<StructureModel>(*input.problem->structure);
+Correction with_parameters(const DiagnosisInput& given, const std::vector<Parameter>& parameters, double factor) {
+  DiagnosisInput input = given;
+  StructureModel structure = *given.problem->structure;
   for (const auto& parameter : parameters) {
     const double value = factor * parameter.value;
-    if (!set_parameter(parts, parameter, value))
-      of_elements.push_back({static_cast<Index>(of_elements.size()), parameter});
-    set_parameter(structure->parts, parameter, value);
+    set_parameter(structure.parts, parameter, value);
+    if (set_parameter(input.parts, parameter, value)) continue;
+    auto& before = input.of_elements;
+    const auto same = std::ranges::find(before, parameter.name, [](const auto& each) { return each.first.name; });
+    if (same == before.end())
+      before.emplace_back(parameter, value);
+    else
+      same->second = value;
   }
-  if (!of_elements.empty()) {
-    VectorXd values(static_cast<Index>(of_elements.size()));
-    for (const auto& [index, parameter] : of_elements) values[index] = factor * parameter.value;
-    parts.finite_elements =
-        ParameterisedStructure(input.problem->structure, of_elements, values.size()).at(values).parts.finite_elements;
-  }
-  auto changed = std::make_shared<EstimationProblem>(*input.problem);
-  changed->structure = std::move(structure);
-  return {input.run_of(changed, parts), 0.0};
+  return about(std::move(input), std::move(structure));
 }
 
-Hypothesis wrong_parameter(const DiagnosisInput& input, std::vector<Parameter> parameters) {
+Hypothesis wrong_parameter(const std::vector<Parameter>& parameters) {
   const Parameter first = parameters.front();
   const std::string names = joined(parameters);
   return {.code = "fixed_parameter",
@@ -101,7 +94,8 @@ Hypothesis wrong_parameter(const DiagnosisInput& input, std::vector<Parameter> p
           .search = Search::factor,
           .step = 0.1,
           .fitted = 1,
-          .correct = [&input, parameters](double factor) { return with_parameters(input, parameters, factor); },
+          .correct = [parameters](const DiagnosisInput& given,
+                                  double factor) { return with_parameters(given, parameters, factor); },
           .words =
               [names, first, several = parameters.size() > 1](double factor, const VectorXd&) {
                 return fmt::format("the fixed parameter{} '{}' {} wrong: about {:.3g} {}, not {:.3g}",
@@ -113,8 +107,7 @@ Hypothesis wrong_parameter(const DiagnosisInput& input, std::vector<Parameter> p
 
 /// The same relative prior about another first guess. Where that is far off, a filter may end far off as well, as its
 /// deviations shrink before the estimate has arrived.
-Hypothesis wrong_first_guess(const DiagnosisInput& input, std::size_t i) {
-  const Unknown& unknown = input.problem->settings.unknowns[i];
+Hypothesis wrong_first_guess(const Unknown& unknown, std::size_t i) {
   return {.code = "first_guess",
           .subject = unknown.name,
           .starts = {0.1, 0.3, 3.0, 10.0, 100.0},
@@ -122,12 +115,14 @@ Hypothesis wrong_first_guess(const DiagnosisInput& input, std::size_t i) {
           .step = 0.7,
           .fitted = 1,
           .correct =
-              [&input, i](double factor) {
-                auto changed = std::make_shared<EstimationProblem>(*input.problem);
+              [i](const DiagnosisInput& given, double factor) {
+                auto changed = std::make_shared<EstimationProblem>(*given.problem);
                 auto& moved = changed->settings.unknowns[i];
                 moved.initial *= factor;
                 moved.deviation *= factor;
-                return CorrectedRun{input.run_of(changed, input.parts), 0.0};
+                Correction made{given};
+                made.input.problem = std::move(changed);
+                return made;
               },
           .words =
               [unknown, i](double, const VectorXd& estimates) {
@@ -148,14 +143,8 @@ bool has_other_guesses(const Unknown& unknown) {
 
 /// Forces that make up most others together, as far as it takes to see which connector is in question: polynomials, one
 /// that is even in the rate among them, and friction.
-struct FurtherTerms {
-  StructureParts parts;
-  std::vector<Unknown> unknowns;
-};
-
-FurtherTerms further_terms(const StructureParts& given, const ConnectorDescription& connector,
-                           const ConnectorMotion& motion) {
-  FurtherTerms terms{given, {}};
+FurtherForces most_forces(const ConnectorDescription& connector, const ConnectorMotion& motion) {
+  FurtherForces forces;
   const double d = motion.deformation, v = motion.rate, force = prior_of_law * motion.force;
   const auto polynomial = polynomial_law(3, 3);
   const auto friction = coulomb_law();
@@ -164,13 +153,13 @@ FurtherTerms further_terms(const StructureParts& given, const ConnectorDescripti
                            double deviation) {
     const auto& all = law.parameters();
     const auto at = std::ranges::find(all, parameter, &LawQuantity::name) - all.begin();
-    terms.unknowns.push_back({.name = owner + "." + parameter,
-                              .targets = {{owner + "." + parameter, owner, all[static_cast<std::size_t>(at)].unit, 0.0,
-                                           ConnectorParameter{static_cast<Index>(at)}}},
-                              .deviation = deviation});
+    forces.unknowns.push_back({.name = owner + "." + parameter,
+                               .targets = {{owner + "." + parameter, owner, all[static_cast<std::size_t>(at)].unit, 0.0,
+                                            ConnectorParameter{static_cast<Index>(at)}}},
+                               .deviation = deviation});
   };
-  terms.parts.connectors.push_back({name, connector.from, connector.to, polynomial,
-                                    VectorXd::Zero(static_cast<Index>(polynomial->parameters().size()))});
+  forces.connectors.push_back({name, connector.from, connector.to, polynomial,
+                               VectorXd::Zero(static_cast<Index>(polynomial->parameters().size()))});
   unknown(name, *polynomial, "k1", force / d);
   unknown(name, *polynomial, "k2", force / (d * d));
   unknown(name, *polynomial, "k3", force / (3.0 * d * d * d));
@@ -180,9 +169,9 @@ FurtherTerms further_terms(const StructureParts& given, const ConnectorDescripti
   VectorXd of_friction = VectorXd::Zero(static_cast<Index>(friction->parameters().size()));
   for (std::size_t p = 0; p < friction->parameters().size(); ++p)
     if (friction->parameters()[p].name == "v_ref") of_friction[static_cast<Index>(p)] = 0.1 * v;
-  terms.parts.connectors.push_back({rubbing, connector.from, connector.to, friction, of_friction});
+  forces.connectors.push_back({rubbing, connector.from, connector.to, friction, of_friction});
   unknown(rubbing, *friction, "f_c", force);
-  return terms;
+  return forces;
 }
 
 Hypothesis wrong_law(const DiagnosisInput& input, const ConnectorDescription& connector,
@@ -191,15 +180,8 @@ Hypothesis wrong_law(const DiagnosisInput& input, const ConnectorDescription& co
   return {.code = "wrong_law",
           .subject = connector.name,
           .fitted = 7,
-          .correct =
-              [&input, connector, motion](double) {
-                auto terms = further_terms(input.parts, connector, motion);
-                const auto changed = released(*input.problem, terms.unknowns);
-                auto structure = std::make_shared<StructureModel>(*input.problem->structure);
-                structure->parts.connectors = terms.parts.connectors;
-                changed->structure = structure;
-                return CorrectedRun{input.run_of(changed, terms.parts), 0.0};
-              },
+          .correct = [connector, motion](const DiagnosisInput& given,
+                                         double) { return with_forces(given, most_forces(connector, motion)); },
           .words =
               [connector, motion, place](double, const VectorXd& estimates) {
                 const auto p = static_cast<Index>(place);
@@ -222,7 +204,7 @@ Hypothesis wrong_law(const DiagnosisInput& input, const ConnectorDescription& co
 }
 
 /// The substructure with modes up to twice the highest one that it keeps.
-Hypothesis missing_modes(const DiagnosisInput& input, const FiniteElementSubstructure& elements) {
+Hypothesis missing_modes(const FiniteElementSubstructure& elements) {
   const auto& kept = elements.reduced->error_indicators.fixed_interface_frequencies;
   const double highest = kept.size() > 0 ? kept[kept.size() - 1] : 0.0;
   const std::string name = elements.part->name;
@@ -230,7 +212,7 @@ Hypothesis missing_modes(const DiagnosisInput& input, const FiniteElementSubstru
           .subject = name,
           .fitted = 2,
           .correct =
-              [&input, elements, name, highest](double) {
+              [elements, name, highest](const DiagnosisInput& given, double) {
                 ReductionRequest request = elements.reduction;
                 request.modes = {};
                 if (highest > 0.0)
@@ -241,15 +223,13 @@ Hypothesis missing_modes(const DiagnosisInput& input, const FiniteElementSubstru
                 auto finer = elements;
                 finer.reduced = std::make_shared<const Superelement>(
                     reduce(*elements.part, request, std::numeric_limits<double>::infinity()));
-                auto structure = std::make_shared<StructureModel>(*input.problem->structure);
+                DiagnosisInput changed = given;
+                StructureModel structure = *given.problem->structure;
                 std::ranges::replace_if(
-                    structure->finite_elements, [&](const auto& each) { return each.part->name == name; }, finer);
-                structure->parts.finite_elements = structure->reduced_parts();
-                StructureParts parts = input.parts;
-                parts.finite_elements = structure->parts.finite_elements;
-                auto changed = std::make_shared<EstimationProblem>(*input.problem);
-                changed->structure = structure;
-                return CorrectedRun{input.run_of(changed, parts), 0.0};
+                    structure.finite_elements, [&](const auto& each) { return each.part->name == name; }, finer);
+                structure.parts.finite_elements = structure.reduced_parts();
+                changed.parts.finite_elements = structure.parts.finite_elements;
+                return about(std::move(changed), std::move(structure));
               },
           .words =
               [name, highest](double, const auto&) {
@@ -263,15 +243,16 @@ Hypothesis missing_modes(const DiagnosisInput& input, const FiniteElementSubstru
 
 std::vector<Hypothesis> model_hypotheses(const DiagnosisInput& input, const std::vector<ConnectorMotion>& motion) {
   std::vector<Hypothesis> found;
-  for (auto& parameters : candidates_of(input)) found.push_back(wrong_parameter(input, std::move(parameters)));
+  for (const auto& parameters : candidates_of(input)) found.push_back(wrong_parameter(parameters));
   const auto& unknowns = input.problem->settings.unknowns;
   for (std::size_t i = 0; i < unknowns.size() && i < most_parameters; ++i)
-    if (has_other_guesses(unknowns[i])) found.push_back(wrong_first_guess(input, i));
+    if (has_other_guesses(unknowns[i])) found.push_back(wrong_first_guess(unknowns[i], i));
   const auto& connectors = input.parts.connectors;
   for (std::size_t j = 0; j < connectors.size() && j < motion.size(); ++j)
-    if (motion[j].moves()) found.push_back(wrong_law(input, connectors[j], motion[j]));
+    if (motion[j].moves() && !contains(input.added, connectors[j].name))
+      found.push_back(wrong_law(input, connectors[j], motion[j]));
   for (const auto& elements : input.problem->structure->finite_elements)
-    if (elements.reduced) found.push_back(missing_modes(input, elements));
+    if (elements.reduced) found.push_back(missing_modes(elements));
   return found;
 }
 

@@ -28,25 +28,43 @@ constexpr Index most_swapped = 6;         ///< sensors that are exchanged in pai
 /// Samples of a channel that are there.
 Index present(const Eigen::Ref<const VectorXd>& channel) { return channel.array().isFinite().count(); }
 
+/// The input with other samples of one channel.
+template <class Change>
+Correction with(const DiagnosisInput& input, const std::string& channel, const Change& change) {
+  Correction made{input};
+  Record& record = made.input.record;
+  const Index row = record.find(channel);
+  record.values.row(row) = change(VectorXd(record.values.row(row).transpose())).transpose();
+  return made;
+}
+
+/// Samples moved to earlier times; what comes from beyond their ends is missing.
+VectorXd earlier(const VectorXd& recorded, Index lag) {
+  VectorXd moved = VectorXd::Constant(recorded.size(), not_a_number);
+  const Index count = recorded.size() - std::abs(lag);
+  if (count > 0) moved.segment(std::max<Index>(-lag, 0), count) = recorded.segment(std::max<Index>(lag, 0), count);
+  return moved;
+}
+
 bool drifts(const ClockFit& clock) { return std::abs(clock.drift) > worth_a_drift * clock.drift_deviation; }
 
 /// Channels with a clock that was late by a delay at the record's start and drifts. What comes from near their ends is
 /// missing.
-Hypothesis drifting(const DiagnosisInput& input, const std::vector<std::string>& names, const ClockFit& clock) {
-  const Record& record = input.record;
+Hypothesis drifting(const Record& record, const std::vector<std::string>& names, const ClockFit& clock) {
   const bool late = std::abs(clock.delay) > worth_a_drift * clock.delay_deviation && std::abs(clock.delay) > 0.5;
   const double delay = late ? clock.delay / record.sample_rate : 0.0;
   const std::string all = fmt::format("{}", fmt::join(names, ", "));
-  const auto correct = [&input, names, delay](double drift) {
-    Record corrected = input.record;
+  const auto correct = [names, delay](const DiagnosisInput& given, double drift) {
+    Correction made{given};
+    Record& corrected = made.input.record;
     for (const auto& name : names) {
       const Index row = corrected.find(name);
-      corrected.values.row(row) = without_lag(input.record, row, {delay, drift, input.record.start}).transpose();
+      corrected.values.row(row) = without_lag(given.record, row, {delay, drift, given.record.start}).transpose();
       const Index unknown = std::min(unknown_ends, corrected.samples());
       corrected.values.row(row).tail(unknown).setConstant(not_a_number);
       if (delay != 0.0) corrected.values.row(row).head(unknown).setConstant(not_a_number);
     }
-    return CorrectedRun{input.run_over(corrected), 0.0};
+    return made;
   };
   const auto words = [all, delay](double drift, const auto&) {
     const std::string also =
@@ -70,8 +88,8 @@ Hypothesis drifting(const DiagnosisInput& input, const std::vector<std::string>&
 /// Changes of one channel of a run.
 class ChannelHypotheses {
 public:
-  ChannelHypotheses(const DiagnosisInput& input, const FilterRun& base, Index channel, const Likeness& likeness)
-      : input_(input),
+  ChannelHypotheses(const Record& record, const FilterRun& base, Index channel, const Likeness& likeness)
+      : record_(record),
         base_(base),
         i_(channel),
         name_(base.input.measured.channels[static_cast<std::size_t>(channel)].name),
@@ -91,18 +109,14 @@ public:
   }
 
 private:
-  /// The run with another record of the channel.
-  [[nodiscard]] CorrectedRun with(VectorXd channel, double log_jacobian = 0.0) const {
-    Record corrected = input_.record;
-    corrected.values.row(corrected.find(name_)) = channel.transpose();
-    return {input_.run_over(corrected), log_jacobian};
-  }
-
   void add_sign() {
     found_.push_back(
         {.code = "sensor_sign",
          .subject = name_,
-         .correct = [*this](double) { return with(-recorded_); },
+         .correct =
+             [name = name_](const DiagnosisInput& input, double) {
+               return with(input, name, [](const VectorXd& recorded) { return VectorXd(-recorded); });
+             },
          .words = [name = name_](double, const auto&) { return fmt::format("'{}' has the wrong sign", name); },
          .remedy = "turn the direction of '" + name_ + "' in the case (a point such as -body.3)"});
   }
@@ -110,9 +124,11 @@ private:
   void add_gain() {
     const bool known = likeness_.known && likeness_.gain != 0.0;
     const double gain = std::abs(likeness_.gain), turned = known && likeness_.gain < 0.0 ? -1.0 : 1.0;
-    const auto correct = [*this, turned](double factor) {
-      const double log_factor = std::log(std::abs(factor));
-      return with(recorded_ / (turned * factor), -static_cast<double>(present(recorded_)) * log_factor);
+    const auto correct = [name = name_, count = present(recorded_), turned](const DiagnosisInput& input,
+                                                                            double factor) {
+      auto made = with(input, name, [&](const VectorXd& recorded) { return VectorXd(recorded / (turned * factor)); });
+      made.log_jacobian = -static_cast<double>(count) * std::log(std::abs(factor));
+      return made;
     };
     for (const double unit : unit_factors_near(known ? std::optional(gain) : std::nullopt, like_a_unit))
       found_.push_back({.code = "sensor_unit",
@@ -151,7 +167,12 @@ private:
                       .search = Search::samples,
                       .step = 1.0,
                       .fitted = 1,
-                      .correct = [*this](double lag) { return with(earlier(static_cast<Index>(std::lround(lag)))); },
+                      .correct =
+                          [name = name_](const DiagnosisInput& input, double lag) {
+                            return with(input, name, [&](const VectorXd& recorded) {
+                              return earlier(recorded, static_cast<Index>(std::lround(lag)));
+                            });
+                          },
                       .words =
                           [name = name_, rate](double lag, const auto&) {
                             return fmt::format("'{}' is {} ms {}", name, in_words(1e3 * std::abs(lag) / rate),
@@ -160,16 +181,8 @@ private:
                       .remedy = "align the clock of '" + name_ + "' with the others before the estimation"});
   }
 
-  /// The channel moved to earlier times; what comes from beyond its ends is missing.
-  [[nodiscard]] VectorXd earlier(Index lag) const {
-    VectorXd moved = VectorXd::Constant(recorded_.size(), not_a_number);
-    const Index count = recorded_.size() - std::abs(lag);
-    if (count > 0) moved.segment(std::max<Index>(-lag, 0), count) = recorded_.segment(std::max<Index>(lag, 0), count);
-    return moved;
-  }
-
   void add_drift() {
-    if (likeness_.clock && drifts(*likeness_.clock)) found_.push_back(drifting(input_, {name_}, *likeness_.clock));
+    if (likeness_.clock && drifts(*likeness_.clock)) found_.push_back(drifting(record_, {name_}, *likeness_.clock));
   }
 
   void add_offset() {
@@ -181,7 +194,11 @@ private:
                       .search = Search::offset,
                       .step = 0.1 * noise,
                       .fitted = 1,
-                      .correct = [*this](double offset) { return with((recorded_.array() - offset).matrix()); },
+                      .correct =
+                          [name = name_](const DiagnosisInput& input, double offset) {
+                            return with(input, name,
+                                        [&](const VectorXd& recorded) { return VectorXd(recorded.array() - offset); });
+                          },
                       .words =
                           [name = name_, unit = unit_](double offset, const auto&) {
                             return fmt::format("'{}' has an offset of {} {}", name, in_words(offset), unit);
@@ -202,7 +219,12 @@ private:
     if (part < clipped_samples || !(high > low)) return;
     found_.push_back({.code = "sensor_saturated",
                       .subject = name_,
-                      .correct = [*this, clipped](double) { return with(clipped.select(not_a_number, recorded_)); },
+                      .correct =
+                          [name = name_, clipped](const DiagnosisInput& input, double) {
+                            return with(input, name, [&](const VectorXd& recorded) {
+                              return VectorXd(clipped.select(not_a_number, recorded));
+                            });
+                          },
                       .words =
                           [name = name_, unit = unit_, high, low, part](double, const auto&) {
                             return fmt::format("'{}' is cut off at {} and {} {} ({:.2g} % of its samples)", name,
@@ -222,10 +244,11 @@ private:
                       .fitted = 2,
                       .widens = true,
                       .correct =
-                          [*this](double factor) {
-                            CorrectedRun corrected{base_, 0.0};
-                            corrected.run.input.noise(i_, i_) *= factor * factor;
-                            return corrected;
+                          [i = i_](const DiagnosisInput& input, double factor) {
+                            Correction made{input};
+                            made.input.on_run.emplace_back(
+                                [i, factor](FilterRun& run) { run.input.noise(i, i) *= factor * factor; });
+                            return made;
                           },
                       .words =
                           [name = name_](double factor, const auto&) {
@@ -239,7 +262,7 @@ private:
                       .remedy = "state the noise of '" + name_ + "' as it is"});
   }
 
-  const DiagnosisInput& input_;
+  const Record& record_;
   const FilterRun& base_;
   Index i_;
   std::string name_, unit_;
@@ -248,22 +271,22 @@ private:
   std::vector<Hypothesis> found_;
 };
 
-Hypothesis swapped(const DiagnosisInput& input, const std::string& one, const std::string& other) {
+Hypothesis swapped(const std::string& one, const std::string& other) {
   return {.code = "sensors_swapped",
           .subject = one + ", " + other,
           .correct =
-              [&input, one, other](double) {
-                Record corrected = input.record;
-                corrected.values.row(corrected.find(one)).swap(corrected.values.row(corrected.find(other)));
-                return CorrectedRun{input.run_over(corrected), 0.0};
+              [one, other](const DiagnosisInput& input, double) {
+                Correction made{input};
+                Record& record = made.input.record;
+                record.values.row(record.find(one)).swap(record.values.row(record.find(other)));
+                return made;
               },
           .words = [one, other](double, const auto&) { return fmt::format("'{}' and '{}' are exchanged", one, other); },
           .remedy = "exchange the channels of '" + one + "' and '" + other + "'"};
 }
 
 /// Pairs of sensors of one unit, of those that fit the others worst.
-void add_swapped(const DiagnosisInput& input, const FilterRun& base, const std::vector<Likeness>& likeness,
-                 std::vector<Hypothesis>& found) {
+void add_swapped(const FilterRun& base, const std::vector<Likeness>& likeness, std::vector<Hypothesis>& found) {
   const auto& channels = base.input.measured.channels;
   std::vector<Index> worst(channels.size());
   for (std::size_t i = 0; i < worst.size(); ++i) worst[i] = static_cast<Index>(i);
@@ -276,12 +299,12 @@ void add_swapped(const DiagnosisInput& input, const FilterRun& base, const std::
     for (std::size_t b = a + 1; b < worst.size(); ++b) {
       const auto& one = channels[static_cast<std::size_t>(std::min(worst[a], worst[b]))];
       const auto& other = channels[static_cast<std::size_t>(std::max(worst[a], worst[b]))];
-      if (one.unit == other.unit) found.push_back(swapped(input, one.name, other.name));
+      if (one.unit == other.unit) found.push_back(swapped(one.name, other.name));
     }
 }
 
 /// Channels of one rack: those whose clocks drift alike.
-void add_drifting_rack(const DiagnosisInput& input, const FilterRun& base, const std::vector<Likeness>& likeness,
+void add_drifting_rack(const Record& record, const FilterRun& base, const std::vector<Likeness>& likeness,
                        std::vector<Hypothesis>& found) {
   constexpr double alike = 0.15;
   std::vector<std::string> best;
@@ -302,33 +325,32 @@ void add_drifting_rack(const DiagnosisInput& input, const FilterRun& base, const
     of_best.drift /= static_cast<double>(names.size());
     best = names;
   }
-  if (!best.empty()) found.push_back(drifting(input, best, of_best));
+  if (!best.empty()) found.push_back(drifting(record, best, of_best));
 }
 
 /// A factor of every channel alike: a record in other units.
-void add_gain_of_all(const DiagnosisInput& input, const FilterRun& base, const Likeness& of_all,
-                     std::vector<Hypothesis>& found) {
+void add_gain_of_all(const FilterRun& base, const Likeness& of_all, std::vector<Hypothesis>& found) {
   const bool known = of_all.known && of_all.gain != 0.0;
   if (base.input.measured.values.rows() < 2) return;
+  const auto& channels = base.input.measured.channels;
+  const auto count = base.input.measured.values.array().isFinite().count();
   for (const double unit : unit_factors_near(known ? std::optional(of_all.gain) : std::nullopt, 2.0 * like_a_unit))
-    found.push_back(
-        {.code = "record_unit",
-         .subject = "all sensors",
-         .starts = {unit},
-         .correct =
-             [&input, &base](double factor) {
-               const auto& channels = base.input.measured.channels;
-               const auto count = base.input.measured.values.array().isFinite().count();
-               Record corrected = input.record;
-               for (const auto& channel : channels) corrected.values.row(corrected.find(channel.name)) /= factor;
-               return CorrectedRun{input.run_over(corrected), -static_cast<double>(count) * std::log(factor)};
-             },
-         .words =
-             [](double factor, const auto&) {
-               return fmt::format("the unit of the whole record is wrong by {}: {}", in_words(factor),
-                                  unit_mistake(factor).value_or(""));
-             },
-         .remedy = "correct the units of the record's channels"});
+    found.push_back({.code = "record_unit",
+                     .subject = "all sensors",
+                     .starts = {unit},
+                     .correct =
+                         [channels = channels, count](const DiagnosisInput& input, double factor) {
+                           Correction made{input, -static_cast<double>(count) * std::log(factor)};
+                           Record& record = made.input.record;
+                           for (const auto& channel : channels) record.values.row(record.find(channel.name)) /= factor;
+                           return made;
+                         },
+                     .words =
+                         [](double factor, const auto&) {
+                           return fmt::format("the unit of the whole record is wrong by {}: {}", in_words(factor),
+                                              unit_mistake(factor).value_or(""));
+                         },
+                     .remedy = "correct the units of the record's channels"});
 }
 
 }  // namespace
@@ -337,12 +359,12 @@ std::vector<Hypothesis> sensor_hypotheses(const DiagnosisInput& input, const Fil
                                           const std::vector<Likeness>& likeness, const Likeness& of_all) {
   std::vector<Hypothesis> found;
   for (std::size_t i = 0; i < likeness.size(); ++i) {
-    auto own = ChannelHypotheses(input, base, static_cast<Index>(i), likeness[i]).all();
+    auto own = ChannelHypotheses(input.record, base, static_cast<Index>(i), likeness[i]).all();
     found.insert(found.end(), std::make_move_iterator(own.begin()), std::make_move_iterator(own.end()));
   }
-  add_swapped(input, base, likeness, found);
-  add_drifting_rack(input, base, likeness, found);
-  add_gain_of_all(input, base, of_all, found);
+  add_swapped(base, likeness, found);
+  add_drifting_rack(input.record, base, likeness, found);
+  add_gain_of_all(base, of_all, found);
   return found;
 }
 

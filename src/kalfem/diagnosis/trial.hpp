@@ -7,6 +7,12 @@
 
 namespace kalfem {
 
+/// A run in which a mistake is undone, see Correction.
+struct CorrectedRun {
+  FilterRun run;
+  double log_jacobian = 0.0;
+};
+
 /// How well a run fits its record.
 struct TrialScore {
   double log_likelihood = -std::numeric_limits<double>::infinity();

@@ -269,8 +269,8 @@ private:
     const Contradiction before = contradiction(constant), after = contradiction(with_it);
     change.gain = 2.0 * (with_it.log_likelihood - constant.log_likelihood) / (after.widening * after.widening);
     const double left = excess_left(after, before);
-    change.explains = !after.any || left < little_left;
-    const bool most_is_explained = change.explains || left < most_left;
+    change.explains = !after.any || (left < little_left && leaves_little(with_it, constant));
+    const bool most_is_explained = !after.any || left < most_left;
     const bool changes = std::abs(change.after - change.before) > band * change.deviation;
     return change.gain > significant && changes && most_is_explained ? std::optional(change) : std::nullopt;
   }

@@ -66,15 +66,18 @@ std::vector<std::string> freed_lines(const ProposedCase& proposed) {
 std::optional<Listing> asked_edit(const Study& study, const StudyResults& results) {
   const auto* estimation = results.find<EstimationOutcome>();
   if (!estimation || results.verdict.reasons().empty()) return std::nullopt;
-  const auto cause = estimation->diagnosis ? estimation->diagnosis->cause() : std::nullopt;
-  CaseEdit edit = cause ? edit_against(*cause, study, *estimation) : CaseEdit{};
-  std::string caption = cause ? "Undoes the mistake that explains the record best." : "";
+  const auto causes = estimation->diagnosis ? estimation->diagnosis->causes() : std::vector<TestedHypothesis>{};
+  CaseEdit edit;
+  for (const auto& cause : causes) edit.add(edit_against(cause, study, *estimation));
+  std::string caption = causes.empty()       ? ""
+                        : causes.size() == 1 ? "Undoes the mistake that explains the record best."
+                                             : "Undoes the two mistakes that explain the record best.";
   if (results.proposed) {
     const auto freed = freed_lines(*results.proposed);
     edit.unknowns.insert(edit.unknowns.end(), freed.begin(), freed.end());
     caption = "case.proposed.yaml is the whole case with these unknowns: the record asks for them.";
   }
-  if (estimation->has_samples() && (!cause || cause->code != "sensor_noise"))
+  if (estimation->has_samples() && (causes.empty() || causes.front().code != "sensor_noise"))
     if (const auto noise = noise_lines(results, *estimation, !edit.empty()); !noise.empty()) {
       edit.sensors.insert(edit.sensors.end(), noise.begin(), noise.end());
       caption += std::string(caption.empty() ? "" : " ") +

@@ -122,6 +122,12 @@ void append(const std::vector<std::string>& lines, const std::string& heading, c
 
 }  // namespace
 
+void CaseEdit::add(const CaseEdit& other) {
+  connectors.insert(connectors.end(), other.connectors.begin(), other.connectors.end());
+  sensors.insert(sensors.end(), other.sensors.begin(), other.sensors.end());
+  unknowns.insert(unknowns.end(), other.unknowns.begin(), other.unknowns.end());
+}
+
 std::string CaseEdit::yaml() const {
   std::string text;
   append(connectors, "connectors:\n", "  ", text);

@@ -15,6 +15,7 @@ struct CaseEdit {
   std::vector<std::string> connectors = {}, sensors = {}, unknowns = {};
 
   [[nodiscard]] bool empty() const { return connectors.empty() && sensors.empty() && unknowns.empty(); }
+  void add(const CaseEdit& other);
   /// As they stand in a case file.
   [[nodiscard]] std::string yaml() const;
 };

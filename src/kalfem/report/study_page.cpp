@@ -35,13 +35,10 @@ Section overview_section(const Study& study, const StudyResults& results) {
 }
 
 /// The mistakes that were tested, best explanation first; the page shows as many as somebody reads.
-Table tested_table(const Diagnosis& diagnosis) {
+Table tested_table(const std::string& title, const std::vector<TestedHypothesis>& tested) {
   constexpr std::size_t shown = 12;
-  Table table{"Mistakes that were undone to see whether they explain it",
-              {"if", "log-likelihood rises by", "mean NIS then"},
-              {},
-              {}};
-  for (const auto& each : diagnosis.tested)
+  Table table{title, {"if", "log-likelihood rises by", "mean NIS then"}, {}, {}};
+  for (const auto& each : tested)
     if (!each.failed && table.rows.size() < shown)
       table.rows.push_back({each.words, fmt::format("{:.0f}", each.gain), fmt::format("{:.2f}", each.mean_nis)});
   return table;
@@ -60,7 +57,12 @@ Section verdict_section(const StudyResults& results) {
         "them "
         "undone. The one under which the record is most likely is the cause, if it explains the record far better.",
         diagnosis.tested.size(), diagnosis.duration);
-    section.items.emplace_back(tested_table(diagnosis));
+    if (!diagnosis.together.empty()) {
+      section.text += " No single one explains all: two were undone together.";
+      section.items.emplace_back(tested_table("Two mistakes at once, each beside the other", diagnosis.together));
+    }
+    section.items.emplace_back(
+        tested_table("Mistakes that were undone to see whether they explain it", diagnosis.tested));
   }
   return section;
 }

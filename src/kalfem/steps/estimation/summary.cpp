@@ -259,17 +259,23 @@ Json events_summary(const RecordEstimate& estimate) {
   return all;
 }
 
+Json tested_summary(const std::vector<TestedHypothesis>& mistakes) {
+  Json all = Json::array();
+  for (const auto& each : mistakes)
+    all.push_back({{"code", each.code},
+                   {"subject", each.subject},
+                   {"text", each.words},
+                   {"value", number(each.value)},
+                   {"failed", each.failed},
+                   {"log_likelihood_gain", each.failed ? Json(nullptr) : number(each.gain)},
+                   {"mean_nis", each.failed ? Json(nullptr) : number(each.mean_nis)}});
+  return all;
+}
+
 Json diagnosis_summary(const Diagnosis& diagnosis) {
-  Json tested = Json::array();
-  for (const auto& each : diagnosis.tested)
-    tested.push_back({{"code", each.code},
-                      {"subject", each.subject},
-                      {"text", each.words},
-                      {"value", number(each.value)},
-                      {"failed", each.failed},
-                      {"log_likelihood_gain", each.failed ? Json(nullptr) : number(each.gain)},
-                      {"mean_nis", each.failed ? Json(nullptr) : number(each.mean_nis)}});
-  return {{"duration", number(diagnosis.duration)}, {"tested", tested}};
+  Json summary = {{"duration", number(diagnosis.duration)}, {"tested", tested_summary(diagnosis.tested)}};
+  if (!diagnosis.together.empty()) summary["together"] = tested_summary(diagnosis.together);
+  return summary;
 }
 
 }  // namespace kalfem

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kalfem/diagnosis/correction.hpp"
+
+#include "kalfem/base/invalid_input.hpp"
+
+namespace kalfem {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+FilterRun DiagnosisInput::run() const {
+  IssueList issues;
+  const auto setup = make_augmented_model_setup(*problem, parts, {}, issues);
+  issues.raise();
+  FilterRun run = make_filter_run(problem, setup, record);
+  for (const auto& change : on_run) change(run);
+  return run;
+}
+
+Correction about(DiagnosisInput input, StructureModel structure) {
+  auto changed = std::make_shared<EstimationProblem>(*input.problem);
+  changed->structure = std::make_shared<const StructureModel>(std::move(structure));
+  if (!input.of_elements.empty()) {
+    std::vector<StructureBinding> bindings;
+    VectorXd values(static_cast<Index>(input.of_elements.size()));
+    for (const auto& [parameter, value] : input.of_elements) {
+      values[static_cast<Index>(bindings.size())] = value;
+      bindings.push_back({static_cast<Index>(bindings.size()), parameter});
+    }
+    input.parts.finite_elements =
+        ParameterisedStructure(changed->structure, bindings, values.size()).at(values).parts.finite_elements;
+  }
+  input.problem = std::move(changed);
+  return {std::move(input)};
+}
+
+Correction with_forces(const DiagnosisInput& input, const FurtherForces& forces) {
+  Correction made{input};
+  StructureModel structure = *input.problem->structure;
+  for (const auto& connector : forces.connectors) {
+    made.input.parts.connectors.push_back(connector);
+    made.input.added.push_back(connector.name);
+  }
+  structure.parts.connectors = made.input.parts.connectors;
+  auto changed = std::make_shared<EstimationProblem>(*input.problem);
+  changed->structure = std::make_shared<const StructureModel>(std::move(structure));
+  for (const auto& unknown : forces.unknowns) changed->settings.unknowns.push_back(unknown);
+  made.input.problem = std::move(changed);
+  return made;
+}
+
+}  // namespace kalfem

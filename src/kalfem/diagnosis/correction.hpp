@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "kalfem/estimation/estimate.hpp"
+#include "kalfem/identification/filter_run.hpp"
+#include "kalfem/identification/step_budget.hpp"
+
+namespace kalfem {
+
+/// A run of a filter that is to be explained: the problem, the parts that its model is made of, and the record.
+struct DiagnosisInput {
+  EstimationProblemPtr problem;
+  StructureParts parts;
+  Record record;
+  EstimationOptions options = {};
+  Eigen::VectorXd nis = {};               ///< of the run that is to be explained, up to where it stopped
+  double steps = StepBudget::unlimited;   ///< filter steps that all trials together may take
+  std::vector<std::string> updated = {};  ///< parameters that an updating found: they are not held fixed
+  /// Numbers of finite elements that differ from those of the problem's structure; `parts` have them.
+  std::vector<std::pair<Parameter, double>> of_elements = {};
+  /// Connectors that were added for forces which the structure may lack: nothing about them can be a mistake.
+  std::vector<std::string> added = {};
+  /// Changes of the inputs and the noise that the filter receives, one after another.
+  std::vector<std::function<void(FilterRun&)>> on_run = {};
+
+  /// The filter's run over the record. Throws InvalidInput as make_filter_run() does.
+  [[nodiscard]] FilterRun run() const;
+};
+
+/// What is to be explained with a mistake undone: it can be searched for another one.
+struct Correction {
+  DiagnosisInput input;
+  /// log |d corrected / d recorded| over all samples, which makes likelihoods of corrected records comparable.
+  double log_jacobian = 0.0;
+};
+
+/// The input about a changed structure, whose finite elements keep the numbers that were corrected before.
+Correction about(DiagnosisInput input, StructureModel structure);
+
+/// Forces beside the laws of a structure, each as a connector of its own, with what is unknown of them.
+struct FurtherForces {
+  std::vector<ConnectorDescription> connectors;
+  std::vector<Unknown> unknowns;
+};
+Correction with_forces(const DiagnosisInput& input, const FurtherForces& forces);
+
+}  // namespace kalfem

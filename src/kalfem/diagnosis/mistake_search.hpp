@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "kalfem/diagnosis/candidates.hpp"
+#include "kalfem/diagnosis/law_terms.hpp"
+#include "kalfem/diagnosis/trial.hpp"
+#include "kalfem/diagnosis/trial_plan.hpp"
+
+namespace kalfem {
+
+/// The search for the one mistake that explains a run best: the run is repeated with each undone. Numbers such as gains
+/// and delays are first guessed from what the other sensors predict, then searched by likelihood.
+class MistakeSearch {
+public:
+  /// Throws InvalidInput as make_filter_run() does.
+  MistakeSearch(DiagnosisInput input, const TrialPlan& plan);
+
+  /// Tests those that are wanted. Once a search.
+  Diagnosis run(const std::function<bool(const Hypothesis&)>& wanted = {});
+
+  /// What is searched: the part of the record that the plan allows.
+  [[nodiscard]] const DiagnosisInput& input() const { return input_; }
+  /// Undoes in `given` the i-th mistake of `tested`, with the number that was found.
+  [[nodiscard]] Correction undone(std::size_t i, const DiagnosisInput& given) const;
+
+private:
+  void race(const TrialScore& given);
+  void look_into_laws(const TrialScore& given, const std::vector<ConnectorMotion>& motion);
+  void add_terms(const TrialScore& given, const ConnectorDescription& connector, const ConnectorMotion& motion);
+  [[nodiscard]] std::vector<LawTerm> the_next(const std::vector<LawTerm>& terms, std::size_t first, std::size_t best,
+                                              const TrialScore& given) const;
+  void settle_places(const ConnectorDescription& connector, std::vector<ChosenTerm> known);
+  void refine_the_best(const TrialScore& given);
+  void refine(std::size_t h, int most_steps);
+  void add(Hypothesis hypothesis);
+  void try_starts(std::size_t h);
+  bool try_value(std::size_t h, double value);
+  [[nodiscard]] Eigen::VectorXi measured_samples(Eigen::Index first) const;
+  [[nodiscard]] double gain(std::size_t h, const TrialScore& given) const;
+  [[nodiscard]] double lowest() const;
+  [[nodiscard]] std::vector<std::size_t> best_first(const TrialScore& given) const;
+  [[nodiscard]] bool explains(std::size_t h) const;
+  [[nodiscard]] std::size_t put_the_simplest_first(const TrialScore& given);
+  void collect(const TrialScore& given, Diagnosis& diagnosis);
+
+  DiagnosisInput input_;
+  TrialPlan plan_;
+  FilterRun base_;
+  EstimationOptions options_;
+  std::vector<Hypothesis> hypotheses_;
+  std::vector<TrialScore> scores_;
+  std::vector<double> values_;      ///< at which the score stands
+  std::vector<std::size_t> order_;  ///< of the hypotheses in Diagnosis::tested
+  Eigen::Index samples_ = 0;        ///< that the trials see
+};
+
+}  // namespace kalfem
