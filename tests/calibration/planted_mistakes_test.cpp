@@ -180,6 +180,12 @@ void look(int seed, int mistakes, Tally& tally) {
                            worst);
   for (const auto& reason : reasons)
     std::cout << "    " << reason.code << " " << reason.subject << ": " << reason.text << "\n";
+  if (found.diagnosis) {
+    const auto& tested = found.diagnosis->tested;
+    for (std::size_t i = 0; i < std::min<std::size_t>(tested.size(), 6); ++i)
+      std::cout << fmt::format("        {} {}: {:.4g}, gain {:.5g}, NIS {:.3g}\n", tested[i].code, tested[i].subject,
+                               tested[i].value, tested[i].gain, tested[i].mean_nis);
+  }
   std::cout << std::flush;
 }
 

@@ -196,8 +196,8 @@ EstimateResult estimate(const Structure& structure, const Record& record, const 
   if (const auto& failure = filtered.failure)
     estimate.failure = FilterStop{record.start + failure->time, failure->reason + "; " + failure->remedy};
   estimate.sensors = innovations_by_sensor(estimated);
-  estimate.verdict = verdict_of(estimated);
   estimate.diagnosis = look_for_cause(*made.problem, made.problem->structure->parts, measured, estimated);
+  estimate.verdict = verdict_of(estimated);
   estimate.left_out = estimated.left_out;
   if (estimated.fixed_numbers) estimate.fixed_numbers = effects_of(*estimated.fixed_numbers);
   if (estimated.freed) set_freed(*estimated.freed, estimate);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "kalfem/base/invalid_input.hpp"
@@ -76,13 +77,14 @@ void MistakeSearch::race(const TrialScore& given) {
   for (std::size_t h = 0; h < order.size(); ++h) order[h] = h;
   for (std::size_t r = 0; r < rounds.size(); ++r) {
     samples_ = rounds[r].samples;
+    const double unchanged = r == 0 ? log_likelihood_unchanged(given) : 0.0;
     order.resize(std::min(order.size(), rounds[r].hypotheses));
     std::vector<TrialScore> before(hypotheses_.size());
     std::swap(scores_, before);
     for_each_index(order.size(), processors(), [&](std::size_t i) {
       const std::size_t h = order[i];
       if (r == 0)
-        for (const double start : hypotheses_[h].starts) try_value(h, start);
+        try_between(h, unchanged);
       else
         try_value(h, values_[h]);
     });
@@ -176,9 +178,35 @@ void MistakeSearch::try_starts(std::size_t h) {
   for (const double start : hypotheses_[h].starts) try_value(h, start);
 }
 
-/// Keeps the value if it explains the record better than those before. Says whether it does. A correction that the
+/// Tries the first guesses, and of a factor, which is no change at 1, also where the parabola through the
+/// log-likelihoods there and at the nearest guesses below and above is largest.
+void MistakeSearch::try_between(std::size_t h, double unchanged) {
+  const Hypothesis& hypothesis = hypotheses_[h];
+  std::optional<double> below, above;  // logarithms of guesses
+  double of_below = 0.0, of_above = 0.0;
+  for (const double start : hypothesis.starts) {
+    const double found = try_value(h, start), u = start > 0.0 ? std::log(start) : 0.0;
+    if (u < 0.0 && (!below || u > *below)) below = u, of_below = found;
+    if (u > 0.0 && (!above || u < *above)) above = u, of_above = found;
+  }
+  if (hypothesis.search != Search::factor || !below || !above) return;
+  const double a = *below, b = *above, left = of_below - unchanged, right = of_above - unchanged;
+  const double determinant = a * b * (b - a);
+  const double slope = (left * b * b - right * a * a) / determinant, curvature = (right * a - left * b) / determinant;
+  if (!(std::isfinite(slope) && curvature < 0.0)) return;
+  const double largest = std::clamp(-0.5 * slope / curvature, 2.0 * a, 2.0 * b);
+  if (0.5 * slope * largest > significant_rise) try_value(h, std::exp(largest));
+}
+
+/// Of the run as given, over the samples that the trials see.
+double MistakeSearch::log_likelihood_unchanged(const TrialScore& given) const {
+  if (samples_ == plan_.samples) return given.log_likelihood;
+  return score_of(first_part({base_, 0.0}, samples_), options_, measured_samples(samples_)).log_likelihood;
+}
+
+/// Keeps the value if it explains the record better than those before; its log-likelihood. A correction that the
 /// problem does not admit (a negative mass) explains nothing.
-bool MistakeSearch::try_value(std::size_t h, double value) {
+double MistakeSearch::try_value(std::size_t h, double value) {
   TrialScore score;
   try {
     const Correction corrected = hypotheses_[h].correct(input_, value);
@@ -186,10 +214,11 @@ bool MistakeSearch::try_value(std::size_t h, double value) {
                      measured_samples(samples_));
   } catch (const InvalidInput&) {
   }
-  if (!(score.log_likelihood > scores_[h].log_likelihood)) return false;
+  const double found = score.log_likelihood;
+  if (!(found > scores_[h].log_likelihood)) return found;
   scores_[h] = std::move(score);
   values_[h] = value;
-  return true;
+  return found;
 }
 
 /// Of each channel, among the first samples of what the filter learns from.
@@ -242,7 +271,8 @@ void MistakeSearch::refine(std::size_t h, int most_steps) {
   double steps = 1.0;
   for (int i = 0; i < most_steps; ++i) {
     if (hypothesis.search == Search::samples && std::abs(steps) < 1.0) break;
-    const bool better = try_value(h, moved(hypothesis, values_[h], steps));
+    const double before = scores_[h].log_likelihood;
+    const bool better = try_value(h, moved(hypothesis, values_[h], steps)) > before;
     const bool first_failure = !better && i == 0;
     steps = better ? 2.0 * steps : first_failure ? -steps : -0.5 * steps;
   }

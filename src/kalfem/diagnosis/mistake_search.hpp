@@ -37,7 +37,9 @@ private:
   void refine(std::size_t h, int most_steps);
   void add(Hypothesis hypothesis);
   void try_starts(std::size_t h);
-  bool try_value(std::size_t h, double value);
+  void try_between(std::size_t h, double unchanged);
+  double try_value(std::size_t h, double value);
+  [[nodiscard]] double log_likelihood_unchanged(const TrialScore& given) const;
   [[nodiscard]] Eigen::VectorXi measured_samples(Eigen::Index first) const;
   [[nodiscard]] double gain(std::size_t h, const TrialScore& given) const;
   [[nodiscard]] double lowest() const;

@@ -18,6 +18,8 @@ namespace {
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 constexpr double like_a_unit = 0.15;      ///< relative distance of a gain from a mistake of units
+constexpr double clear_likeness = 0.5;    ///< correlation that tells a sign
+constexpr double far_from_one = 1.0;      ///< logarithm of a gain that must be a mistake of units, if it is one
 constexpr double worth_a_gain = 0.03;     ///< relative
 constexpr double worth_a_delay = 0.15;    ///< correlation at its lag
 constexpr double worth_a_drift = 4.0;     ///< standard deviations
@@ -44,6 +46,16 @@ VectorXd earlier(const VectorXd& recorded, Index lag) {
   const Index count = recorded.size() - std::abs(lag);
   if (count > 0) moved.segment(std::max<Index>(-lag, 0), count) = recorded.segment(std::max<Index>(lag, 0), count);
   return moved;
+}
+
+/// Mistakes of units that may be behind a gain. One that is far from 1 is known roughly, as the model may be wrong
+/// besides: then the usual mistakes as well.
+std::vector<double> units_for(const std::optional<double>& gain) {
+  std::vector<double> units = unit_factors_near(gain, like_a_unit);
+  if (gain && std::abs(std::log(*gain)) > far_from_one)
+    for (const double usual : unit_factors_near(std::nullopt, 0.0))
+      if (std::ranges::find(units, usual) == units.end()) units.push_back(usual);
+  return units;
 }
 
 bool drifts(const ClockFit& clock) { return std::abs(clock.drift) > worth_a_drift * clock.drift_deviation; }
@@ -123,14 +135,15 @@ private:
 
   void add_gain() {
     const bool known = likeness_.known && likeness_.gain != 0.0;
-    const double gain = std::abs(likeness_.gain), turned = known && likeness_.gain < 0.0 ? -1.0 : 1.0;
+    const bool clear = std::abs(likeness_.correlation) > clear_likeness;
+    const double gain = std::abs(likeness_.gain), turned = known && clear && likeness_.gain < 0.0 ? -1.0 : 1.0;
     const auto correct = [name = name_, count = present(recorded_), turned](const DiagnosisInput& input,
                                                                             double factor) {
       auto made = with(input, name, [&](const VectorXd& recorded) { return VectorXd(recorded / (turned * factor)); });
       made.log_jacobian = -static_cast<double>(count) * std::log(std::abs(factor));
       return made;
     };
-    for (const double unit : unit_factors_near(known ? std::optional(gain) : std::nullopt, like_a_unit))
+    for (const double unit : units_for(known ? std::optional(gain) : std::nullopt))
       found_.push_back({.code = "sensor_unit",
                         .subject = name_,
                         .starts = {unit},
