@@ -37,7 +37,7 @@ struct Found {
 std::optional<Found> found_beside(const DiagnosisInput& whole, const Found& other, const TrialPlan& plan,
                                   const std::function<bool(const Hypothesis&)>& wanted) {
   const auto search = std::make_shared<MistakeSearch>(other.undo(whole).input, plan);
-  const auto cause = search->run(wanted).single_cause();
+  const auto cause = search->run(wanted).cause();
   if (!cause) return std::nullopt;
   return Found{*cause, [search](const DiagnosisInput& given) { return search->undone(0, given); }};
 }
@@ -96,7 +96,7 @@ std::vector<TestedHypothesis> best_pair(const std::shared_ptr<MistakeSearch>& se
     if (auto pair = pair_with(search->input(), start, plan); pair && pair->gain > best.gain) best = std::move(*pair);
     if (best.leaves_nothing) break;
   }
-  const auto alone = single.single_cause();
+  const auto alone = single.cause();
   return best.gain > (alone ? alone->gain : 0.0) + significant_rise ? best.mistakes : std::vector<TestedHypothesis>{};
 }
 
@@ -107,23 +107,25 @@ std::string as_likely(const Diagnosis& diagnosis) {
   return others;
 }
 
+std::string remainder(bool all_is_explained) { return all_is_explained ? "" : ", which does not explain all"; }
+
 std::string text_of_single(const Diagnosis& diagnosis, const TestedHypothesis& cause) {
   const std::string before = diagnosis.failed ? "the filter stopped" : fmt::format("it is {:.3g}", diagnosis.mean_nis);
-  const std::string remainder = diagnosis.one_explains_all() ? "" : ", which does not explain all";
   return fmt::format("{}: with this undone the mean NIS is {:.3g} (expected {:.3g}), as given {}{}{}", cause.words,
-                     cause.mean_nis, cause.expected_nis, before, remainder, as_likely(diagnosis));
+                     cause.mean_nis, cause.expected_nis, before, remainder(diagnosis.one_explains_all()),
+                     as_likely(diagnosis));
 }
 
-std::string text_beside(const TestedHypothesis& one, const TestedHypothesis& other) {
+std::string text_beside(const TestedHypothesis& one, const TestedHypothesis& other, bool all_is_explained) {
   return fmt::format(
       "{}, and '{}' is not as it should be either: with both undone the mean NIS is {:.3g} (expected {:.3g}), with the "
-      "other one alone {:.3g}",
-      one.words, other.subject, one.mean_nis, one.expected_nis, one.nis_before);
+      "other one alone {:.3g}{}",
+      one.words, other.subject, one.mean_nis, one.expected_nis, one.nis_before, remainder(all_is_explained));
 }
 
 }  // namespace
 
-std::optional<TestedHypothesis> Diagnosis::single_cause() const {
+std::optional<TestedHypothesis> Diagnosis::cause() const {
   if (tested.empty() || tested.front().failed || !tested.front().explains || !(tested.front().gain > significant_rise))
     return std::nullopt;
   const auto& best = tested.front();
@@ -134,8 +136,8 @@ std::optional<TestedHypothesis> Diagnosis::single_cause() const {
 }
 
 bool Diagnosis::one_explains_all() const {
-  const auto cause = single_cause();
-  return cause && state_of(cause->widening) == VerdictState::consistent;
+  const auto single = cause();
+  return single && state_of(single->widening) == VerdictState::consistent;
 }
 
 bool Diagnosis::explains_all() const {
@@ -144,8 +146,8 @@ bool Diagnosis::explains_all() const {
 
 std::vector<TestedHypothesis> Diagnosis::causes() const {
   if (!together.empty()) return together;
-  const auto cause = single_cause();
-  return cause ? std::vector{*cause} : std::vector<TestedHypothesis>{};
+  const auto single = cause();
+  return single ? std::vector{*single} : std::vector<TestedHypothesis>{};
 }
 
 std::optional<Diagnosis> diagnose(const DiagnosisInput& input) {
@@ -164,13 +166,13 @@ std::vector<Reason> reasons_of(const Diagnosis& diagnosis, VerdictState state) {
   const auto causes = diagnosis.causes();
   std::vector<Reason> reasons;
   for (std::size_t i = 0; i < causes.size(); ++i)
-    reasons.push_back(
-        {.code = causes[i].code,
-         .subject = causes[i].subject,
-         .text = causes.size() == 1 ? text_of_single(diagnosis, causes[i]) : text_beside(causes[i], causes[1 - i]),
-         .remedy = causes[i].remedy,
-         .state = state,
-         .weight = std::numeric_limits<double>::infinity()});
+    reasons.push_back({.code = causes[i].code,
+                       .subject = causes[i].subject,
+                       .text = causes.size() == 1 ? text_of_single(diagnosis, causes[i])
+                                                  : text_beside(causes[i], causes[1 - i], diagnosis.explains_all()),
+                       .remedy = causes[i].remedy,
+                       .state = state,
+                       .weight = std::numeric_limits<double>::infinity()});
   return reasons;
 }
 

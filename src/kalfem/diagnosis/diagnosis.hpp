@@ -52,7 +52,7 @@ struct Diagnosis {
   double seconds = 0.0;
 
   /// The best of those that were tested one at a time, if it explains the record far better than what was given.
-  [[nodiscard]] std::optional<TestedHypothesis> single_cause() const;
+  [[nodiscard]] std::optional<TestedHypothesis> cause() const;
   /// The two mistakes at once, or the single cause; empty: nothing explains the record far better.
   [[nodiscard]] std::vector<TestedHypothesis> causes() const;
   /// Whether innovations are white and of their size with the single cause undone.
