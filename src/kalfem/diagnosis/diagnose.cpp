@@ -25,6 +25,18 @@ bool is_same(const Mistake& one, const Other& other) {
   return one.code == other.code && one.subject == other.subject;
 }
 
+/// Whether what a mistake leaves is much less than what was there before it was undone.
+bool explains(const TestedHypothesis& mistake, const Diagnosis& before) {
+  const double excess = std::abs(before.mean_nis - before.expected_nis);
+  const double left = std::abs(mistake.mean_nis - mistake.expected_nis);
+  if (before.failed) return mistake.widening < unusable_widening;
+  return left < 0.7 * excess || mistake.widening < 0.8 * before.widening;
+}
+
+bool leaves_less(const TestedHypothesis& one, const TestedHypothesis& other) {
+  return !one.failed && std::abs(one.mean_nis - one.expected_nis) < std::abs(other.mean_nis - other.expected_nis);
+}
+
 /// A mistake, and how it is undone with the number that was found.
 struct Found {
   TestedHypothesis mistake;
@@ -33,14 +45,23 @@ struct Found {
   [[nodiscard]] bool leaves_nothing() const { return state_of(mistake.widening) == VerdictState::consistent; }
 };
 
-/// The likeliest of the wanted mistakes where the other one is undone, if it explains what is left.
-std::optional<Found> found_beside(const DiagnosisInput& whole, const Found& other, const TrialPlan& plan,
-                                  const std::function<bool(const Hypothesis&)>& wanted) {
-  const auto search = std::make_shared<MistakeSearch>(other.undo(whole).input, plan);
-  const auto cause = search->run(wanted).cause();
-  if (!cause) return std::nullopt;
-  return Found{*cause, [search](const DiagnosisInput& given) { return search->undone(0, given); }};
-}
+/// A search about the input with a mistake undone, and what it found.
+struct SearchBeside {
+  SearchBeside(const DiagnosisInput& whole, const Found& other, const TrialPlan& plan,
+               const std::function<bool(const Hypothesis&)>& wanted)
+      : search(std::make_shared<MistakeSearch>(other.undo(whole).input, plan)), diagnosis(search->run(wanted)) {}
+
+  [[nodiscard]] Found likeliest() const {
+    return {diagnosis.tested.front(),
+            [search = search](const DiagnosisInput& given) { return search->undone(0, given); }};
+  }
+  [[nodiscard]] double mean_nis() const {
+    return diagnosis.failed ? std::numeric_limits<double>::infinity() : diagnosis.mean_nis;
+  }
+
+  std::shared_ptr<MistakeSearch> search;
+  Diagnosis diagnosis;
+};
 
 /// Two mistakes at once.
 struct Pair {
@@ -49,21 +70,24 @@ struct Pair {
   bool leaves_nothing = false;                             ///< to explain
 };
 
-/// With one mistake undone another one is looked for. Then each is found again beside the other, as their numbers may
-/// hold a part of each other.
+/// With one mistake undone another one is looked for. Then each is looked for again beside the other, as their numbers
+/// may hold a part of each other, and kept where it leaves less. Nothing where one of them is not needed.
 std::optional<Pair> pair_with(const DiagnosisInput& whole, Found one, const TrialPlan& plan) {
-  auto other = found_beside(whole, one, plan, [&](const auto& each) { return !is_same(one.mistake, each); });
-  if (!other) return std::nullopt;
-  const double gain = one.mistake.gain + other->mistake.gain;
+  const SearchBeside first(whole, one, plan, [&](const auto& each) { return !is_same(one.mistake, each); });
+  if (!first.diagnosis.cause()) return std::nullopt;
+  Found other = first.likeliest();
+  const double gain = one.mistake.gain + other.mistake.gain;
   for (int round = 0; round < rounds_of_pair; ++round) {
-    auto again = found_beside(whole, *other, plan, [&](const auto& each) { return is_same(one.mistake, each); });
-    if (!again) return std::nullopt;
-    one = std::exchange(*other, std::move(*again));
-    if (other->leaves_nothing()) break;
+    const SearchBeside again(whole, other, plan, [&](const auto& each) { return is_same(one.mistake, each); });
+    one.mistake.nis_before = again.mean_nis();
+    if (!explains(other.mistake, again.diagnosis)) return std::nullopt;
+    if (again.diagnosis.tested.empty() || !leaves_less(again.likeliest().mistake, other.mistake)) break;
+    one = std::exchange(other, again.likeliest());
+    if (other.leaves_nothing()) break;
   }
-  one.mistake.mean_nis = other->mistake.mean_nis;  // with the other's last number
-  one.mistake.widening = other->mistake.widening;
-  Pair pair{{one.mistake, other->mistake}, gain, other->leaves_nothing()};
+  one.mistake.mean_nis = other.mistake.mean_nis;  // with the other's last number
+  one.mistake.widening = other.mistake.widening;
+  Pair pair{{one.mistake, other.mistake}, gain, other.leaves_nothing()};
   if (pair.mistakes[1].gain > pair.mistakes[0].gain) std::swap(pair.mistakes[0], pair.mistakes[1]);
   return pair;
 }
@@ -117,10 +141,13 @@ std::string text_of_single(const Diagnosis& diagnosis, const TestedHypothesis& c
 }
 
 std::string text_beside(const TestedHypothesis& one, const TestedHypothesis& other, bool all_is_explained) {
+  const std::string alone =
+      std::isfinite(one.nis_before) ? fmt::format("it is {:.3g}", one.nis_before) : "the filter stops";
   return fmt::format(
-      "{}, and '{}' is not as it should be either: with both undone the mean NIS is {:.3g} (expected {:.3g}), with the "
-      "other one alone {:.3g}{}",
-      one.words, other.subject, one.mean_nis, one.expected_nis, one.nis_before, remainder(all_is_explained));
+      "{}, and '{}' is not as it should be either: with both undone the mean NIS is {:.3g} (expected {:.3g}){}, with "
+      "the "
+      "other one alone {}",
+      one.words, other.subject, one.mean_nis, one.expected_nis, remainder(all_is_explained), alone);
 }
 
 }  // namespace
@@ -128,11 +155,7 @@ std::string text_beside(const TestedHypothesis& one, const TestedHypothesis& oth
 std::optional<TestedHypothesis> Diagnosis::cause() const {
   if (tested.empty() || tested.front().failed || !tested.front().explains || !(tested.front().gain > significant_rise))
     return std::nullopt;
-  const auto& best = tested.front();
-  const double excess = std::abs(mean_nis - expected_nis), left = std::abs(best.mean_nis - best.expected_nis);
-  const bool explains = (failed && best.widening < unusable_widening) ||
-                        (!failed && (left < 0.7 * excess || best.widening < 0.8 * widening));
-  return explains ? std::optional(best) : std::nullopt;
+  return kalfem::explains(tested.front(), *this) ? std::optional(tested.front()) : std::nullopt;
 }
 
 bool Diagnosis::one_explains_all() const {

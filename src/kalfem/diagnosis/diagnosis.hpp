@@ -36,8 +36,9 @@ struct TestedHypothesis {
   /// 461-464).
   double gain = 0.0;
   double mean_nis = 0.0, expected_nis = 0.0;  ///< afterwards
-  double nis_before = 0.0;                    ///< mean NIS as given, or with the mistake undone that is beside it
-  double widening = 1.0;                      ///< of the worst sensor afterwards, see SensorConsistency
+  /// Mean NIS as given, or with the mistake undone that is beside it; infinite: the filter stopped.
+  double nis_before = 0.0;
+  double widening = 1.0;  ///< of the worst sensor afterwards, see SensorConsistency
 };
 
 /// Which mistake, or which two, explain a run that contradicts itself.
@@ -47,7 +48,7 @@ struct Diagnosis {
   double mean_nis = 0.0, expected_nis = 0.0, widening = 1.0;  ///< as it was given
   std::vector<TestedHypothesis> tested;                       ///< one at a time, best first
   std::vector<std::string> also;                              ///< others that explain as much as the best, in words
-  /// Two mistakes at once, where one does not explain all: each beside the other, the one that explains more first.
+  /// Two mistakes at once, where one does not explain all, the one that explains more first.
   std::vector<TestedHypothesis> together = {};
   double seconds = 0.0;
 

@@ -103,7 +103,8 @@ void MistakeSearch::look_into_laws(const TrialScore& given, const std::vector<Co
   double best = 0.0;
   for (const std::size_t h : best_first(given)) {
     if (explains(h)) best = std::max(best, gain(h, given));
-    if (hypotheses_[h].code == "wrong_law" && laws.size() < plan_.laws && gain(h, given) >= worth_looking * best)
+    if (hypotheses_[h].code == "wrong_law" && laws.size() < plan_.laws &&
+        (laws.empty() || gain(h, given) >= worth_looking * best))
       laws.push_back(h);
   }
   for (const std::size_t h : laws) {

@@ -59,7 +59,7 @@ Section verdict_section(const StudyResults& results) {
         diagnosis.tested.size(), diagnosis.duration);
     if (!diagnosis.together.empty()) {
       section.text += " No single one explains all: two were undone together.";
-      section.items.emplace_back(tested_table("Two mistakes at once, each beside the other", diagnosis.together));
+      section.items.emplace_back(tested_table("Two mistakes at once", diagnosis.together));
     }
     section.items.emplace_back(
         tested_table("Mistakes that were undone to see whether they explain it", diagnosis.tested));
