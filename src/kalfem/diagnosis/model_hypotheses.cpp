@@ -86,7 +86,7 @@ Correction with_parameters(const DiagnosisInput& given, const std::vector<Parame
 }
 
 Hypothesis wrong_parameter(const std::vector<Parameter>& parameters) {
-  const Parameter first = parameters.front();
+  const Parameter& first = parameters.front();
   const std::string names = joined(parameters);
   return {.code = "fixed_parameter",
           .subject = names,
