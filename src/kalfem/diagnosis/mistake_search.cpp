@@ -71,7 +71,8 @@ Diagnosis MistakeSearch::run(const std::function<bool(const Hypothesis&)>& wante
 /// the short part. Who is left behind keeps no score.
 void MistakeSearch::race(const TrialScore& given) {
   std::size_t starts = 0;
-  for (const auto& hypothesis : hypotheses_) starts += hypothesis.starts.size();
+  for (const auto& hypothesis : hypotheses_)
+    starts += hypothesis.starts.size() + (hypothesis.search == Search::factor ? 1 : 0);
   const auto rounds = plan_.rounds(hypotheses_.size(), starts);
   std::vector<std::size_t> order(hypotheses_.size());
   for (std::size_t h = 0; h < order.size(); ++h) order[h] = h;
@@ -89,7 +90,7 @@ void MistakeSearch::race(const TrialScore& given) {
         try_value(h, values_[h]);
     });
     order = best_first(given);
-    if (r + 1 == rounds.size()) break;
+    if (r + 1 == rounds.size() || !plan_.searches_early) continue;
     const std::size_t leading = std::min(order.size(), plan_.finalists);
     for_each_index(leading, processors(), [&](std::size_t i) { refine(order[i], plan_.most_steps); });
     order = best_first(given);

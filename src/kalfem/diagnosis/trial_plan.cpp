@@ -52,7 +52,7 @@ Index part_for(const DiagnosisInput& input, const FilterRun& run) {
 /// Whole parts that a race takes beside its rounds.
 double passes(const TrialPlan& plan, const FilterRun& run) {
   constexpr double first_guesses = 18.0;  // of the terms of a law
-  return static_cast<double>(runs_for_hypotheses(run)) + 1.0 + static_cast<double>(plan.finalists) +
+  return static_cast<double>(runs_for_hypotheses(run)) + 2.0 + static_cast<double>(plan.finalists) +
          static_cast<double>(plan.refined) * plan.most_steps +
          static_cast<double>(plan.laws * plan.terms) * (first_guesses + 0.3 * plan.most_steps);
 }
@@ -93,6 +93,7 @@ TrialPlan plan_of_next(TrialPlan plan) {
   plan.laws = 1;
   plan.terms = 2;
   plan.raced = 20.0;
+  plan.searches_early = true;
   return plan;
 }
 

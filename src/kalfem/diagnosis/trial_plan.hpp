@@ -23,6 +23,7 @@ struct TrialPlan {
   std::size_t next_terms = 5;  ///< that are tried beside the best
   std::size_t finalists = 12;
   double raced = std::numeric_limits<double>::infinity();  ///< whole parts that each round before the last may take
+  bool searches_early = false;  ///< numbers of the finalists are searched on short parts, too
 
   /// Hypotheses that see so many first samples of the part.
   struct Round {
