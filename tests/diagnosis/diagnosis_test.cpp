@@ -26,9 +26,9 @@ protected:
   }
 
   /// The run of a case of this measurement.
-  static StudyResults run(const Measurement& measurement, const Changes& changes = {}) {
+  static StudyResults run(const Measurement& measurement, const Changes& changes = {}, const CaseFamily& of = family) {
     const ScratchFolder folder("diagnosis");
-    return run_study(load_study(write_case(family, measurement, changes, folder).string()), "estimate");
+    return run_study(load_study(write_case(of, measurement, changes, folder).string()), "estimate");
   }
 
   /// "code subject" of the first reason.
@@ -129,6 +129,24 @@ TEST_F(Diagnoses, NameTwoMistakesAtOnce) {
   EXPECT_EQ(reasons[0].code, "sensor_sign");
   EXPECT_EQ(reasons[1].code, "fixed_parameter");
   EXPECT_NE(reasons[0].text.find("wheel.k_w.stiffness"), std::string::npos) << reasons[0].text;
+}
+
+/// The delay that the run found beside the wrong sign is none of the record's. It is found again with the sign undone,
+/// and is no second mistake.
+TEST_F(Diagnoses, FindUnknownClocksAgainBesideAMistake) {
+  auto wrong = clean;
+  wrong.sensors.values.row(2) *= -1.0;
+  const Eigen::RowVectorXd given = wrong.sensors.values.row(3);
+  wrong.sensors.values.row(3).tail(given.size() - 12) = given.head(given.size() - 12);
+  CaseFamily with_clock = family;
+  with_clock.estimate.insert(with_clock.estimate.find("  settle"),
+                             "    sensors.a11.delay: {initial: 0 s, std: 10 ms}\n");
+  const auto results = run(wrong, {}, with_clock);
+  const auto& diagnosis = *results.get<EstimationOutcome>().diagnosis;
+  EXPECT_EQ(first_reason(results), "sensor_sign a7");
+  EXPECT_TRUE(diagnosis.together.empty());
+  EXPECT_TRUE(diagnosis.one_explains_all());
+  EXPECT_NEAR(diagnosis.tested[0].mean_nis, 4.0, 0.4);
 }
 
 TEST(Likeness, FindsLagSignAndGain) {

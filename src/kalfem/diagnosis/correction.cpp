@@ -2,6 +2,8 @@
 #include "kalfem/diagnosis/correction.hpp"
 
 #include "kalfem/base/invalid_input.hpp"
+#include "kalfem/diagnosis/trial.hpp"
+#include "kalfem/identification/likelihood_unknowns.hpp"
 
 namespace kalfem {
 
@@ -15,6 +17,33 @@ FilterRun DiagnosisInput::run() const {
   FilterRun run = make_filter_run(problem, setup, record);
   for (const auto& change : on_run) change(run);
   return run;
+}
+
+DiagnosisInput found_again(const DiagnosisInput& input, const Undo& undo) {
+  if (!input.uncorrected) return undo(input).input;
+  const auto& [problem, record, events] = *input.uncorrected;
+  const auto undone_at = [&](const CorrectedProblem& values) {
+    DiagnosisInput at = input;
+    auto own = std::make_shared<EstimationProblem>(*values.problem);
+    own->settings.substeps = input.problem->settings.substeps;
+    at.problem = std::move(own);
+    at.record = without(values.record, events);
+    return undo(at).input;
+  };
+  const EstimationOptions options{.unscented = input.options.unscented, .adaptive_noise = input.options.adaptive_noise};
+  const auto run = [&](const CorrectedProblem& values) {
+    const FilterRun made = undone_at(values).run();
+    EstimationOptions own = options;
+    own.filter = made.choice.filter;
+    own.state_deviations = false;
+    return estimate(*made.choice.augmented_model, made.input, own);
+  };
+  IssueList issues;
+  const auto setup = make_augmented_model_setup(*problem, input.parts, {}, issues);
+  issues.raise();
+  const auto found =
+      estimate_likelihood_unknowns(problem, setup, first_samples(record, input.record.samples()), options, run);
+  return found ? undone_at(found->corrected) : undo(input).input;
 }
 
 Correction about(DiagnosisInput input, StructureModel structure) {

@@ -2,15 +2,24 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "kalfem/estimation/estimate.hpp"
 #include "kalfem/identification/filter_run.hpp"
+#include "kalfem/identification/sensor_events.hpp"
 #include "kalfem/identification/step_budget.hpp"
 
 namespace kalfem {
+
+/// What a run is of before unknown gains, clocks and noise, the problem's likelihood unknowns, are found.
+struct UncorrectedRecord {
+  EstimationProblemPtr problem;
+  Record record;
+  std::vector<SensorEvent> events;  ///< whose samples do not count
+};
 
 /// A run of a filter that is to be explained: the problem, the parts that its model is made of, and the record.
 struct DiagnosisInput {
@@ -27,6 +36,8 @@ struct DiagnosisInput {
   std::vector<std::string> added = {};
   /// Changes of the inputs and the noise that the filter receives, one after another.
   std::vector<std::function<void(FilterRun&)>> on_run = {};
+  /// Where the problem and the record have likelihood unknowns at the values that the run found; otherwise null.
+  std::shared_ptr<const UncorrectedRecord> uncorrected = {};
 
   /// The filter's run over the record. Throws InvalidInput as make_filter_run() does.
   [[nodiscard]] FilterRun run() const;
@@ -38,6 +49,13 @@ struct Correction {
   /// log |d corrected / d recorded| over all samples, which makes likelihoods of corrected records comparable.
   double log_jacobian = 0.0;
 };
+
+/// How a mistake is undone in a run that is to be explained.
+using Undo = std::function<Correction(const DiagnosisInput&)>;
+
+/// The input with a mistake undone. Unknown gains, clocks and noise are found again beside that, as they were found
+/// with the mistake in the record or in the model.
+DiagnosisInput found_again(const DiagnosisInput& input, const Undo& undo);
 
 /// The input about a changed structure, whose finite elements keep the numbers that were corrected before.
 Correction about(DiagnosisInput input, StructureModel structure);

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <memory>
 #include <utility>
 
 #include <fmt/format.h>
@@ -40,27 +39,33 @@ bool leaves_less(const TestedHypothesis& one, const TestedHypothesis& other) {
 /// A mistake, and how it is undone with the number that was found.
 struct Found {
   TestedHypothesis mistake;
-  std::function<Correction(const DiagnosisInput&)> undo;
+  Undo undo;
 
   [[nodiscard]] bool leaves_nothing() const { return state_of(mistake.widening) == VerdictState::consistent; }
 };
 
-/// A search about the input with a mistake undone, and what it found.
+/// What is left with a mistake undone, and the search for another one in it.
 struct SearchBeside {
-  SearchBeside(const DiagnosisInput& whole, const Found& other, const TrialPlan& plan,
-               const std::function<bool(const Hypothesis&)>& wanted)
-      : search(std::make_shared<MistakeSearch>(other.undo(whole).input, plan)), diagnosis(search->run(wanted)) {}
+  SearchBeside(const DiagnosisInput& whole, const Found& other, const TrialPlan& plan)
+      : search(found_again(whole, other.undo), plan) {}
 
-  [[nodiscard]] Found likeliest() const {
-    return {diagnosis.tested.front(),
-            [search = search](const DiagnosisInput& given) { return search->undone(0, given); }};
+  SearchBeside& run(const std::function<bool(const Hypothesis&)>& wanted) {
+    diagnosis = search.run(wanted);
+    return *this;
   }
+  [[nodiscard]] Found likeliest() const { return {diagnosis.tested.front(), search.undo(0)}; }
   [[nodiscard]] double mean_nis() const {
     return diagnosis.failed ? std::numeric_limits<double>::infinity() : diagnosis.mean_nis;
   }
 
-  std::shared_ptr<MistakeSearch> search;
+  MistakeSearch search;
   Diagnosis diagnosis;
+};
+
+/// One of the likeliest mistakes, and what is left with it undone.
+struct Start {
+  Found found;
+  SearchBeside beside;
 };
 
 /// Two mistakes at once.
@@ -72,13 +77,15 @@ struct Pair {
 
 /// With one mistake undone another one is looked for. Then each is looked for again beside the other, as their numbers
 /// may hold a part of each other, and kept where it leaves less. Nothing where one of them is not needed.
-std::optional<Pair> pair_with(const DiagnosisInput& whole, Found one, const TrialPlan& plan) {
-  const SearchBeside first(whole, one, plan, [&](const auto& each) { return !is_same(one.mistake, each); });
-  if (!first.diagnosis.cause()) return std::nullopt;
-  Found other = first.likeliest();
+std::optional<Pair> pair_with(const DiagnosisInput& whole, Start& start, const TrialPlan& plan) {
+  Found one = start.found;
+  start.beside.run([&](const auto& each) { return !is_same(one.mistake, each); });
+  if (!start.beside.diagnosis.cause()) return std::nullopt;
+  Found other = start.beside.likeliest();
   const double gain = one.mistake.gain + other.mistake.gain;
   for (int round = 0; round < rounds_of_pair; ++round) {
-    const SearchBeside again(whole, other, plan, [&](const auto& each) { return is_same(one.mistake, each); });
+    SearchBeside again(whole, other, plan);
+    again.run([&](const auto& each) { return is_same(one.mistake, each); });
     one.mistake.nis_before = again.mean_nis();
     if (!explains(other.mistake, again.diagnosis)) return std::nullopt;
     if (again.diagnosis.tested.empty() || !leaves_less(again.likeliest().mistake, other.mistake)) break;
@@ -112,16 +119,38 @@ std::vector<std::size_t> starts(const std::vector<TestedHypothesis>& tested) {
 }
 
 /// The likeliest pair, if it is far likelier than the best single mistake.
-std::vector<TestedHypothesis> best_pair(const std::shared_ptr<MistakeSearch>& search, const Diagnosis& single,
-                                        const TrialPlan& plan) {
+std::vector<TestedHypothesis> best_pair(const DiagnosisInput& whole, std::vector<Start>& starts,
+                                        const Diagnosis& single, const TrialPlan& plan) {
   Pair best;
-  for (const std::size_t i : starts(single.tested)) {
-    const Found start{single.tested[i], [search, i](const DiagnosisInput& given) { return search->undone(i, given); }};
-    if (auto pair = pair_with(search->input(), start, plan); pair && pair->gain > best.gain) best = std::move(*pair);
+  for (auto& start : starts) {
+    if (auto pair = pair_with(whole, start, plan); pair && pair->gain > best.gain) best = std::move(*pair);
     if (best.leaves_nothing) break;
   }
   const auto alone = single.cause();
   return best.gain > (alone ? alone->gain : 0.0) + significant_rise ? best.mistakes : std::vector<TestedHypothesis>{};
+}
+
+/// Puts the i-th mistake before all others, with what is left where nothing else is wrong.
+void take_for_cause(std::size_t i, const TrialScore& left, Diagnosis& diagnosis) {
+  auto& tested = diagnosis.tested;
+  std::rotate(tested.begin(), tested.begin() + static_cast<std::ptrdiff_t>(i),
+              tested.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+  tested.front().mean_nis = left.mean_nis;
+  tested.front().widening = left.widening;
+  diagnosis.also.clear();
+}
+
+/// Where the likeliest mistake leaves something: whether one of the likeliest leaves nothing with the unknown gains,
+/// clocks and noise found again, or else which two mistakes there are.
+void look_further(const MistakeSearch& search, const TrialPlan& plan, Diagnosis& diagnosis) {
+  std::vector<Start> likeliest;
+  for (const std::size_t i : starts(diagnosis.tested)) {
+    const Found found{diagnosis.tested[i], search.undo(i)};
+    likeliest.push_back({found, {search.input(), found, plan}});
+    if (likeliest.back().beside.search.given().leaves_nothing())
+      return take_for_cause(i, likeliest.back().beside.search.given(), diagnosis);
+  }
+  diagnosis.together = best_pair(search.input(), likeliest, diagnosis, plan);
 }
 
 /// "; as likely: ..., or ..."
@@ -145,8 +174,7 @@ std::string text_beside(const TestedHypothesis& one, const TestedHypothesis& oth
       std::isfinite(one.nis_before) ? fmt::format("it is {:.3g}", one.nis_before) : "the filter stops";
   return fmt::format(
       "{}, and '{}' is not as it should be either: with both undone the mean NIS is {:.3g} (expected {:.3g}){}, with "
-      "the "
-      "other one alone {}",
+      "the other one alone {}",
       one.words, other.subject, one.mean_nis, one.expected_nis, remainder(all_is_explained), alone);
 }
 
@@ -177,10 +205,10 @@ std::optional<Diagnosis> diagnose(const DiagnosisInput& input) {
   const Stopwatch watch;
   const auto plan = plan_for(input, input.run());
   if (!plan) return std::nullopt;
-  const auto search = std::make_shared<MistakeSearch>(input, *plan);
-  Diagnosis diagnosis = search->run();
+  MistakeSearch search(input, *plan);
+  Diagnosis diagnosis = search.run();
   if (!std::isfinite(input.steps) && !diagnosis.one_explains_all())
-    diagnosis.together = best_pair(search, diagnosis, plan_of_next(*plan));
+    look_further(search, plan_of_next(*plan), diagnosis);
   diagnosis.seconds = watch.seconds();
   return diagnosis;
 }

@@ -70,6 +70,10 @@ std::optional<Diagnosis> look_for_cause(const EstimationProblem& problem, const 
     const auto& likelihood = estimate.likelihood;
     auto as_run = std::make_shared<EstimationProblem>(likelihood ? *likelihood->corrected.problem : problem);
     as_run->settings.substeps = std::min(most_trial_substeps, estimate.augmented_model->options().substeps);
+    std::shared_ptr<const UncorrectedRecord> uncorrected;
+    if (likelihood)
+      uncorrected = std::make_shared<UncorrectedRecord>(
+          UncorrectedRecord{std::make_shared<EstimationProblem>(problem), record, estimate.events});
     diagnosis = diagnose(
         {.problem = std::move(as_run),
          .parts = parts,
@@ -77,7 +81,8 @@ std::optional<Diagnosis> look_for_cause(const EstimationProblem& problem, const 
          .options = {.unscented = problem.settings.unscented, .adaptive_noise = problem.settings.adaptive_noise},
          .nis = computed_nis(estimate.result),
          .steps = estimate.steps_left,
-         .updated = updated});
+         .updated = updated,
+         .uncorrected = std::move(uncorrected)});
   }
   if (diagnosis && estimate.jump && !estimate.jump->explains && diagnosis->explains_all()) forget_change(estimate);
   if (!diagnosis)

@@ -20,6 +20,7 @@ namespace {
 
 constexpr double worth_refining = 0.2;  ///< part of the best's rise
 constexpr double worth_looking = 0.1;   ///< part of the best's rise: a second law that is looked into
+constexpr double nearly_as_good = 0.9;  ///< part of the best's rise
 constexpr double worth_telling = 0.01;  ///< part of the rise: a further force of a law
 constexpr double as_good = 0.002;       ///< log-likelihood per measured value by which equal explanations differ
 
@@ -40,36 +41,37 @@ MistakeSearch::MistakeSearch(DiagnosisInput input, const TrialPlan& plan) : inpu
               .unscented = input_.options.unscented,
               .state_deviations = false,
               .adaptive_noise = input_.options.adaptive_noise};
+  given_ = after_more_passes(score_of({base_, 0.0}, options_, {}), base_, options_);
+  given_.samples = measured_samples(plan_.samples);  // also of a run that stopped
 }
 
-Correction MistakeSearch::undone(std::size_t i, const DiagnosisInput& given) const {
-  const std::size_t h = order_[i];
-  return hypotheses_[h].correct(given, values_[h]);
+Undo MistakeSearch::undoing(std::size_t h) const {
+  return [correct = hypotheses_[h].correct, value = values_[h]](const DiagnosisInput& given) {
+    return correct(given, value);
+  };
 }
 
 Diagnosis MistakeSearch::run(const std::function<bool(const Hypothesis&)>& wanted) {
-  TrialScore given = score_of({base_, 0.0}, options_, {});
-  given.samples = measured_samples(plan_.samples);  // also of a run that stopped
   Diagnosis diagnosis{.duration = static_cast<double>(input_.record.samples()) / input_.record.sample_rate,
-                      .failed = !std::isfinite(given.log_likelihood),
-                      .mean_nis = given.mean_nis,
-                      .expected_nis = given.expected_nis,
-                      .widening = given.widening};
+                      .failed = !std::isfinite(given_.log_likelihood),
+                      .mean_nis = given_.mean_nis,
+                      .expected_nis = given_.expected_nis,
+                      .widening = given_.widening};
   auto candidates = all_candidates(input_, base_, options_);
   hypotheses_ = std::move(candidates.hypotheses);
   if (wanted) std::erase_if(hypotheses_, [&](const Hypothesis& each) { return !wanted(each); });
   scores_.resize(hypotheses_.size());
   values_.resize(hypotheses_.size());
-  race(given);
-  look_into_laws(given, candidates.motion);
-  refine_the_best(given);
-  collect(given, diagnosis);
+  race();
+  if (!is_explained_without_laws()) look_into_laws(candidates.motion);
+  refine_the_best();
+  collect(diagnosis);
   return diagnosis;
 }
 
 /// The first round takes every first guess, later ones the best of each, after a search of the leading ones' numbers on
 /// the short part. Who is left behind keeps no score.
-void MistakeSearch::race(const TrialScore& given) {
+void MistakeSearch::race() {
   std::size_t starts = 0;
   for (const auto& hypothesis : hypotheses_)
     starts += hypothesis.starts.size() + (hypothesis.search == Search::factor ? 1 : 0);
@@ -78,7 +80,7 @@ void MistakeSearch::race(const TrialScore& given) {
   for (std::size_t h = 0; h < order.size(); ++h) order[h] = h;
   for (std::size_t r = 0; r < rounds.size(); ++r) {
     samples_ = rounds[r].samples;
-    const double unchanged = r == 0 ? log_likelihood_unchanged(given) : 0.0;
+    const double unchanged = r == 0 ? log_likelihood_unchanged() : 0.0;
     order.resize(std::min(order.size(), rounds[r].hypotheses));
     std::vector<TrialScore> before(hypotheses_.size());
     std::swap(scores_, before);
@@ -89,35 +91,48 @@ void MistakeSearch::race(const TrialScore& given) {
       else
         try_value(h, values_[h]);
     });
-    order = best_first(given);
+    order = best_first();
     if (r + 1 == rounds.size() || !plan_.searches_early) continue;
     const std::size_t leading = std::min(order.size(), plan_.finalists);
     for_each_index(leading, processors(), [&](std::size_t i) { refine(order[i], plan_.most_steps); });
-    order = best_first(given);
+    order = best_first();
   }
+}
+
+/// Whether the best hypothesis leaves nothing, and wrong laws explain far less: they need not be looked into.
+bool MistakeSearch::is_explained_without_laws() {
+  if (hypotheses_.empty()) return true;
+  const std::size_t best = best_first().front();
+  const auto is_as_good = [&](std::size_t h) {
+    return hypotheses_[h].code == "wrong_law" && gain(h) > nearly_as_good * gain(best);
+  };
+  for (std::size_t h = 0; h < hypotheses_.size(); ++h)
+    if (is_as_good(h)) return false;
+  refine(best, plan_.most_steps);
+  settle(best);
+  return explains(best) && scores_[best].leaves_nothing();
 }
 
 /// Hypotheses of a wrong law stand for many forces together, enough to tell which connector is in question. Those of
 /// the most likely ones give way to the forces that make it up, one after another while each explains far more.
-void MistakeSearch::look_into_laws(const TrialScore& given, const std::vector<ConnectorMotion>& motion) {
+void MistakeSearch::look_into_laws(const std::vector<ConnectorMotion>& motion) {
   std::vector<std::size_t> laws;
   double best = 0.0;
-  for (const std::size_t h : best_first(given)) {
-    if (explains(h)) best = std::max(best, gain(h, given));
+  for (const std::size_t h : best_first()) {
+    if (explains(h)) best = std::max(best, gain(h));
     if (hypotheses_[h].code == "wrong_law" && laws.size() < plan_.laws &&
-        (laws.empty() || gain(h, given) >= worth_looking * best))
+        (laws.empty() || gain(h) >= worth_looking * best))
       laws.push_back(h);
   }
   for (const std::size_t h : laws) {
     const auto& connectors = input_.parts.connectors;
     const auto at = std::ranges::find(connectors, hypotheses_[h].subject, &ConnectorDescription::name);
-    add_terms(given, *at, motion[static_cast<std::size_t>(at - connectors.begin())]);
+    add_terms(*at, motion[static_cast<std::size_t>(at - connectors.begin())]);
     scores_[h] = {};
   }
 }
 
-void MistakeSearch::add_terms(const TrialScore& given, const ConnectorDescription& connector,
-                              const ConnectorMotion& motion) {
+void MistakeSearch::add_terms(const ConnectorDescription& connector, const ConnectorMotion& motion) {
   std::vector<LawTerm> left = law_terms(motion);
   std::vector<ChosenTerm> known;
   double before = 0.0;
@@ -131,24 +146,24 @@ void MistakeSearch::add_terms(const TrialScore& given, const ConnectorDescriptio
     for_each_index(left.size(), processors(), [&](std::size_t i) { try_starts(first + i); });
     std::size_t best = 0;
     for (std::size_t i = 0; i < left.size(); ++i)
-      if (gain(first + i, given) > gain(first + best, given)) best = i;
+      if (gain(first + i) > gain(first + best)) best = i;
     if (left[best].searched()) refine(first + best, plan_.most_steps / 2);
-    const double reached = gain(first + best, given);
+    const double reached = gain(first + best);
     if (!(reached > before + std::max(significant_rise, worth_telling * before))) break;
     before = reached;
     known.push_back({left[best], values_[first + best]});
-    left = the_next(left, first, best, given);
+    left = the_next(left, first, best);
   }
   settle_places(connector, known);
 }
 
 /// The forces that explained most after the best one, each with the number at which it did.
-std::vector<LawTerm> MistakeSearch::the_next(const std::vector<LawTerm>& terms, std::size_t first, std::size_t best,
-                                             const TrialScore& given) const {
+std::vector<LawTerm> MistakeSearch::the_next(const std::vector<LawTerm>& terms, std::size_t first,
+                                             std::size_t best) const {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < terms.size(); ++i)
     if (i != best) order.push_back(i);
-  std::ranges::stable_sort(order, std::greater{}, [&](std::size_t i) { return gain(first + i, given); });
+  std::ranges::stable_sort(order, std::greater{}, [&](std::size_t i) { return gain(first + i); });
   if (order.size() > plan_.next_terms) order.resize(plan_.next_terms);
   std::vector<LawTerm> next;
   for (const std::size_t i : order) {
@@ -201,8 +216,8 @@ void MistakeSearch::try_between(std::size_t h, double unchanged) {
 }
 
 /// Of the run as given, over the samples that the trials see.
-double MistakeSearch::log_likelihood_unchanged(const TrialScore& given) const {
-  if (samples_ == plan_.samples) return given.log_likelihood;
+double MistakeSearch::log_likelihood_unchanged() const {
+  if (samples_ == plan_.samples) return given_.log_likelihood;
   return score_of(first_part({base_, 0.0}, samples_), options_, measured_samples(samples_)).log_likelihood;
 }
 
@@ -234,9 +249,9 @@ Eigen::VectorXi MistakeSearch::measured_samples(Index first) const {
       .cast<int>();
 }
 
-double MistakeSearch::gain(std::size_t h, const TrialScore& given) const {
-  const double n = std::max(2.0, static_cast<double>(given.samples.sum()));
-  const double before = std::isfinite(given.log_likelihood) ? given.log_likelihood : lowest();
+double MistakeSearch::gain(std::size_t h) const {
+  const double n = std::max(2.0, static_cast<double>(given_.samples.sum()));
+  const double before = std::isfinite(given_.log_likelihood) ? given_.log_likelihood : lowest();
   return scores_[h].log_likelihood - before - 0.5 * hypotheses_[h].fitted * std::log(n);
 }
 
@@ -248,21 +263,20 @@ double MistakeSearch::lowest() const {
   return lowest;
 }
 
-std::vector<std::size_t> MistakeSearch::best_first(const TrialScore& given) const {
+std::vector<std::size_t> MistakeSearch::best_first() const {
   std::vector<std::size_t> order(hypotheses_.size());
   for (std::size_t h = 0; h < order.size(); ++h) order[h] = h;
-  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return gain(a, given) > gain(b, given); });
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return gain(a) > gain(b); });
   return order;
 }
 
-void MistakeSearch::refine_the_best(const TrialScore& given) {
+void MistakeSearch::refine_the_best() {
   std::vector<std::size_t> chosen;
-  const auto order = best_first(given);
+  const auto order = best_first();
   if (order.empty()) return;
-  const double least = std::max(0.0, worth_refining * gain(order.front(), given));
+  const double least = std::max(0.0, worth_refining * gain(order.front()));
   for (const std::size_t h : order)
-    if (hypotheses_[h].search != Search::none && chosen.size() < plan_.refined && gain(h, given) >= least)
-      chosen.push_back(h);
+    if (hypotheses_[h].search != Search::none && chosen.size() < plan_.refined && gain(h) >= least) chosen.push_back(h);
   for_each_index(chosen.size(), processors(), [&](std::size_t c) { refine(chosen[c], plan_.most_steps); });
 }
 
@@ -288,21 +302,30 @@ bool MistakeSearch::explains(std::size_t h) const {
 
 /// Of those that explain as much as the best, the one that takes the fewest numbers from the record stands first. How
 /// many there are.
-std::size_t MistakeSearch::put_the_simplest_first(const TrialScore& given) {
+std::size_t MistakeSearch::put_the_simplest_first() {
   const auto fits = [&](std::size_t h) { return std::isfinite(scores_[h].log_likelihood) && explains(h); };
   if (order_.empty() || !fits(order_.front())) return 0;
-  const double tolerance = std::max(significant_rise, as_good * static_cast<double>(given.samples.sum()));
-  const double least = gain(order_.front(), given) - tolerance;
-  const auto end = std::ranges::find_if(order_, [&](std::size_t h) { return !fits(h) || gain(h, given) < least; });
+  const double tolerance = std::max(significant_rise, as_good * static_cast<double>(given_.samples.sum()));
+  const double least = gain(order_.front()) - tolerance;
+  const auto end = std::ranges::find_if(order_, [&](std::size_t h) { return !fits(h) || gain(h) < least; });
   std::stable_sort(order_.begin(), end,
                    [&](std::size_t a, std::size_t b) { return hypotheses_[a].fitted < hypotheses_[b].fitted; });
   return static_cast<std::size_t>(end - order_.begin());
 }
 
-void MistakeSearch::collect(const TrialScore& given, Diagnosis& diagnosis) {
-  order_ = best_first(given);
+/// The innovations of a hypothesis as an estimation would have them.
+void MistakeSearch::settle(std::size_t h) {
+  if (scores_[h].failed() || scores_[h].leaves_nothing()) return;
+  const Undo undo = undoing(h);
+  const DiagnosisInput undone = std::isfinite(input_.steps) ? undo(input_).input : found_again(input_, undo);
+  scores_[h] = after_more_passes(std::move(scores_[h]), undone.run(), options_);
+}
+
+void MistakeSearch::collect(Diagnosis& diagnosis) {
+  order_ = best_first();
   std::ranges::stable_partition(order_, [&](std::size_t h) { return explains(h); });
-  const std::size_t as_likely = put_the_simplest_first(given);
+  const std::size_t as_likely = put_the_simplest_first();
+  if (!order_.empty()) settle(order_.front());
   for (const std::size_t h : order_) {
     const auto& hypothesis = hypotheses_[h];
     const auto& score = scores_[h];
@@ -318,10 +341,10 @@ void MistakeSearch::collect(const TrialScore& given, Diagnosis& diagnosis) {
                                 .fitted = hypothesis.fitted,
                                 .failed = failed,
                                 .explains = !failed && explains(h),
-                                .gain = failed ? 0.0 : gain(h, given),
+                                .gain = failed ? 0.0 : gain(h),
                                 .mean_nis = score.mean_nis,
                                 .expected_nis = score.expected_nis,
-                                .nis_before = given.mean_nis,
+                                .nis_before = given_.mean_nis,
                                 .widening = score.widening});
   }
   const auto& tested = diagnosis.tested;

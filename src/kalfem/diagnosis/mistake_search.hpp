@@ -23,35 +23,41 @@ public:
 
   /// What is searched: the part of the record that the plan allows.
   [[nodiscard]] const DiagnosisInput& input() const { return input_; }
-  /// Undoes in `given` the i-th mistake of `tested`, with the number that was found.
-  [[nodiscard]] Correction undone(std::size_t i, const DiagnosisInput& given) const;
+  /// Of this input, as it was given.
+  [[nodiscard]] const TrialScore& given() const { return given_; }
+  /// Undoes the i-th mistake of `tested`, with the number that was found.
+  [[nodiscard]] Undo undo(std::size_t i) const { return undoing(order_[i]); }
 
 private:
-  void race(const TrialScore& given);
-  void look_into_laws(const TrialScore& given, const std::vector<ConnectorMotion>& motion);
-  void add_terms(const TrialScore& given, const ConnectorDescription& connector, const ConnectorMotion& motion);
-  [[nodiscard]] std::vector<LawTerm> the_next(const std::vector<LawTerm>& terms, std::size_t first, std::size_t best,
-                                              const TrialScore& given) const;
+  void race();
+  [[nodiscard]] bool is_explained_without_laws();
+  void look_into_laws(const std::vector<ConnectorMotion>& motion);
+  void add_terms(const ConnectorDescription& connector, const ConnectorMotion& motion);
+  [[nodiscard]] std::vector<LawTerm> the_next(const std::vector<LawTerm>& terms, std::size_t first,
+                                              std::size_t best) const;
   void settle_places(const ConnectorDescription& connector, std::vector<ChosenTerm> known);
-  void refine_the_best(const TrialScore& given);
+  void refine_the_best();
   void refine(std::size_t h, int most_steps);
   void add(Hypothesis hypothesis);
   void try_starts(std::size_t h);
   void try_between(std::size_t h, double unchanged);
   double try_value(std::size_t h, double value);
-  [[nodiscard]] double log_likelihood_unchanged(const TrialScore& given) const;
+  [[nodiscard]] double log_likelihood_unchanged() const;
   [[nodiscard]] Eigen::VectorXi measured_samples(Eigen::Index first) const;
-  [[nodiscard]] double gain(std::size_t h, const TrialScore& given) const;
+  [[nodiscard]] double gain(std::size_t h) const;
   [[nodiscard]] double lowest() const;
-  [[nodiscard]] std::vector<std::size_t> best_first(const TrialScore& given) const;
+  [[nodiscard]] std::vector<std::size_t> best_first() const;
   [[nodiscard]] bool explains(std::size_t h) const;
-  [[nodiscard]] std::size_t put_the_simplest_first(const TrialScore& given);
-  void collect(const TrialScore& given, Diagnosis& diagnosis);
+  [[nodiscard]] std::size_t put_the_simplest_first();
+  void settle(std::size_t h);
+  [[nodiscard]] Undo undoing(std::size_t h) const;
+  void collect(Diagnosis& diagnosis);
 
   DiagnosisInput input_;
   TrialPlan plan_;
   FilterRun base_;
   EstimationOptions options_;
+  TrialScore given_;
   std::vector<Hypothesis> hypotheses_;
   std::vector<TrialScore> scores_;
   std::vector<double> values_;      ///< at which the score stands

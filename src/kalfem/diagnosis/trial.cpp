@@ -26,7 +26,14 @@ double mean_log_density(const EstimationResult& result, Index channel) {
   return count > 0.0 ? sum / count : 0.0;
 }
 
+constexpr int more_passes = 4;
+
 void judge_innovations(const FilterRun& run, const EstimationResult& result, TrialScore& score) {
+  const auto there = result.nis.array().isFinite();
+  const double count = std::max(1.0, static_cast<double>(there.count()));
+  score.mean_nis = there.select(result.nis.array(), 0.0).sum() / count;
+  score.expected_nis = static_cast<double>(result.measured.sum()) / count;
+  score.estimates = result.unknowns.mean.rightCols(1);
   const Index settled = result.innovation.cols() / 20;
   for (const auto& sensor : sensor_consistency(innovations_of(run.input.measured, result, settled))) {
     score.widening = std::max(score.widening, sensor.widening());
@@ -66,13 +73,19 @@ TrialScore score_of(const CorrectedRun& corrected, const EstimationOptions& opti
   score.log_likelihood = result.log_likelihood + corrected.log_jacobian;
   for (Index i = 0; i < l && i < expected.size(); ++i)
     score.log_likelihood += (expected[i] - score.samples[i]) * mean_log_density(result, i);
-  const auto there = result.nis.array().isFinite();
-  const double count = std::max(1.0, static_cast<double>(there.count()));
-  score.mean_nis = there.select(result.nis.array(), 0.0).sum() / count;
-  score.expected_nis = static_cast<double>(result.measured.sum()) / count;
   judge_innovations(run, result, score);
-  score.estimates = result.unknowns.mean.rightCols(1);
   return score;
+}
+
+TrialScore after_more_passes(TrialScore score, const FilterRun& run, EstimationOptions options) {
+  if (score.failed() || score.leaves_nothing()) return score;
+  if (!options.adaptive_noise.any()) options.passes = more_passes;
+  const auto result = estimate(*run.choice.augmented_model, run.input, options);
+  if (result.failure) return score;
+  TrialScore again = score;
+  again.widening = again.loudest_part = 1.0;
+  judge_innovations(run, result, again);
+  return again.widening < score.widening ? again : score;
 }
 
 }  // namespace kalfem

@@ -51,8 +51,9 @@ Index part_for(const DiagnosisInput& input, const FilterRun& run) {
 
 /// Whole parts that a race takes beside its rounds.
 double passes(const TrialPlan& plan, const FilterRun& run) {
-  constexpr double first_guesses = 18.0;  // of the terms of a law
-  return static_cast<double>(runs_for_hypotheses(run)) + 2.0 + static_cast<double>(plan.finalists) +
+  constexpr double first_guesses = 18.0;      // of the terms of a law
+  constexpr double as_given_and_best = 10.0;  // each with its further passes
+  return static_cast<double>(runs_for_hypotheses(run)) + as_given_and_best + static_cast<double>(plan.finalists) +
          static_cast<double>(plan.refined) * plan.most_steps +
          static_cast<double>(plan.laws * plan.terms) * (first_guesses + 0.3 * plan.most_steps);
 }

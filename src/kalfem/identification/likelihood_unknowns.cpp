@@ -97,11 +97,13 @@ struct Coordinate {
 class LikelihoodUnknownSearch {
 public:
   LikelihoodUnknownSearch(const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
-                          const EstimationOptions& options)
+                          const EstimationOptions& options,
+                          std::function<EstimationResult(const CorrectedProblem&)> run)
       : problem_(problem),
         setup_(setup),
         record_(record),
         options_{.unscented = options.unscented, .state_deviations = false, .adaptive_noise = options.adaptive_noise},
+        run_(std::move(run)),
         threads_(filter_threads(problem->settings)),
         unknowns_(problem->settings.likelihood_unknowns),
         values_(static_cast<Index>(unknowns_.size())) {
@@ -174,10 +176,10 @@ private:
 
   [[nodiscard]] std::optional<EstimationResult> run_at(const VectorXd& values, VectorXd* log_jacobian) const {
     const auto here = corrected(problem_, setup_, record_, values);
-    const auto filtered = run_filter(here.problem, here.setup, here.record, options_);
-    if (filtered.result.failure) return std::nullopt;
+    EstimationResult result = run_ ? run_(here) : run_filter(here.problem, here.setup, here.record, options_).result;
+    if (result.failure) return std::nullopt;
     if (log_jacobian) *log_jacobian = here.log_jacobian;
-    return filtered.result;
+    return result;
   }
 
   [[nodiscard]] std::optional<VectorXd> log_densities(const VectorXd& values) const {
@@ -255,6 +257,7 @@ private:
   AugmentedModelSetup setup_;
   const Record& record_;
   EstimationOptions options_;
+  std::function<EstimationResult(const CorrectedProblem&)> run_;
   int threads_;
   const std::vector<LikelihoodUnknown>& unknowns_;
   VectorXd values_;
@@ -325,10 +328,10 @@ CorrectedProblem corrected(const EstimationProblemPtr& problem, const AugmentedM
   return result;
 }
 
-std::optional<LikelihoodEstimate> estimate_likelihood_unknowns(const EstimationProblemPtr& problem,
-                                                               const AugmentedModelSetup& setup, const Record& record,
-                                                               const EstimationOptions& options) {
-  return LikelihoodUnknownSearch(problem, setup, record, options).run();
+std::optional<LikelihoodEstimate> estimate_likelihood_unknowns(
+    const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
+    const EstimationOptions& options, std::function<EstimationResult(const CorrectedProblem&)> run) {
+  return LikelihoodUnknownSearch(problem, setup, record, options, std::move(run)).run();
 }
 
 }  // namespace kalfem

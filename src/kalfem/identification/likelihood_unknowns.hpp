@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -75,9 +76,10 @@ struct LikelihoodEstimate {
 /// 3. Their covariance Psi widens that of the filter's unknowns theta by J Psi J^T, J = d theta / d psi from central
 ///    differences: the law of total covariance.
 ///
-/// Nothing where the filter fails at the first guess, as the run itself will say.
-std::optional<LikelihoodEstimate> estimate_likelihood_unknowns(const EstimationProblemPtr& problem,
-                                                               const AugmentedModelSetup& setup, const Record& record,
-                                                               const EstimationOptions& options);
+/// `run`: the filter over the corrected record; empty: run_filter(). Nothing where the filter fails at the first guess,
+/// as the run itself will say.
+std::optional<LikelihoodEstimate> estimate_likelihood_unknowns(
+    const EstimationProblemPtr& problem, const AugmentedModelSetup& setup, const Record& record,
+    const EstimationOptions& options, std::function<EstimationResult(const CorrectedProblem&)> run = {});
 
 }  // namespace kalfem
