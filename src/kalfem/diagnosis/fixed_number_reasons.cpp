@@ -9,7 +9,6 @@
 
 #include "kalfem/identification/asked_numbers.hpp"
 #include "kalfem/identification/freed_numbers.hpp"
-#include "kalfem/identification/robust_deviations.hpp"
 
 namespace kalfem {
 
@@ -17,18 +16,7 @@ using Eigen::Index;
 
 namespace {
 
-constexpr double small_change = 0.1;  ///< of a number, in its scale
-constexpr double explained = 1.2;     ///< mean NIS over what is expected
 constexpr std::size_t most_named = 4;
-
-/// Whether the innovations agree with the model once number `i` is changed by little: each unit of log-likelihood takes
-/// two off the sum of NIS. A large change may stand for another mistake, such as a unit.
-bool explains(const RecordEstimate& estimate, Index i) {
-  if (std::abs(estimate.fixed_numbers->asked[i]) > small_change) return false;
-  const auto& found = estimate.consistency;
-  const auto samples = static_cast<double>(estimate.measurements.samples() - estimate.settled);
-  return found.mean_nis - 2.0 * estimate.fixed_numbers->gain[i] / samples < explained * found.expected_nis;
-}
 
 std::string also_likely(const FixedNumberStudy& study, const std::vector<Index>& asked) {
   std::string names;
@@ -89,8 +77,7 @@ std::vector<Reason> fixed_number_reasons(const RecordEstimate& estimate) {
   if (!estimate.fixed_numbers) return {};
   const auto& study = *estimate.fixed_numbers;
   const std::vector<Index> asked = asked_numbers(estimate);
-  if (asked.empty()) return {};
-  if (innovations_contradict(estimate, estimate.settled) && !explains(estimate, asked.front())) return {};
+  if (asked.empty() || !may_be_all_that_is_wrong(estimate, asked.front())) return {};
   const Index i = asked.front();
   const FixedNumber& number = study.numbers[static_cast<std::size_t>(i)];
   const auto [unknown, deviations] = furthest_shift(estimate, i);

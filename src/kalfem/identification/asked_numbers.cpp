@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kalfem/identification/robust_deviations.hpp"
 #include "kalfem/identification/stated_interval.hpp"
 
 namespace kalfem {
@@ -14,6 +15,8 @@ namespace {
 
 constexpr double matters = 1.0;  ///< standard deviations of an unknown
 constexpr double part_of_substep = 0.5;
+constexpr double small_change = 0.1;  ///< of a number, in its scale
+constexpr double explained = 1.2;     ///< mean NIS over what is expected
 
 /// Whether a run with the change found at least half of the rise of ln L that its linear prediction promises.
 bool is_confirmed(const FixedNumberStudy& study, Index i) { return study.confirmed[i] > 0.5 * study.promised_rise(i); }
@@ -59,6 +62,15 @@ std::vector<Index> asked_numbers(const RecordEstimate& estimate) {
   if (std::ranges::none_of(asked, [&](Index i) { return moves_an_unknown(estimate, i); })) return {};
   std::ranges::stable_sort(asked, std::ranges::greater{}, [&](Index i) { return study.gain[i]; });
   return asked;
+}
+
+bool may_be_all_that_is_wrong(const RecordEstimate& estimate, Index i) {
+  if (!innovations_contradict(estimate, estimate.settled)) return true;
+  if (std::abs(estimate.fixed_numbers->asked[i]) > small_change) return false;
+  const auto& found = estimate.consistency;
+  const auto samples = static_cast<double>(estimate.measurements.samples() - estimate.settled);
+  const double unit_of_nis = 2.0 / samples;  // of the mean, for each unit of log-likelihood
+  return found.mean_nis - unit_of_nis * estimate.fixed_numbers->gain[i] < explained * found.expected_nis;
 }
 
 }  // namespace kalfem

@@ -24,6 +24,10 @@ double interval_deviation(const RecordEstimate& estimate, Eigen::Index unknown);
 /// with the change confirms it. Nothing unless that of one of them moves an unknown by more than its deviation.
 std::vector<Eigen::Index> asked_numbers(const RecordEstimate& estimate);
 
+/// Whether the innovations agree with the model, or would with number `i` changed by little as the record asks: a large
+/// change may stand for another mistake, such as a unit.
+bool may_be_all_that_is_wrong(const RecordEstimate& estimate, Eigen::Index i);
+
 /// Log-likelihood by which explanations are told apart.
 inline constexpr double as_likely = 3.0;
 

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "kalfem/base/units.hpp"
+#include "kalfem/identification/asked_numbers.hpp"
 #include "kalfem/identification/freed_numbers.hpp"
 #include "kalfem/identification/record_estimation.hpp"
 
@@ -105,6 +106,13 @@ bool take_with(const EstimationProblemPtr& with, AugmentedModelSetup& setup, con
   return true;
 }
 
+/// Whether there may be anything to ask for: where the likeliest number cannot be what is wrong, a mistake is looked
+/// for.
+bool is_worth_asking(const RecordEstimate& estimate) {
+  const auto asked = asked_numbers(estimate);
+  return !asked.empty() && may_be_all_that_is_wrong(estimate, asked.front());
+}
+
 /// Tries fixed numbers that the record asks to change as unknowns, and takes those kept where the settings say so, one
 /// after another.
 void free_numbers(const EstimationProblemPtr& problem, AugmentedModelSetup& setup, const Record& record,
@@ -114,6 +122,7 @@ void free_numbers(const EstimationProblemPtr& problem, AugmentedModelSetup& setu
   std::optional<RecordEstimate> before;
   for (int round = 0; estimate.fixed_numbers && options.updated.empty() && round < most_freed; ++round) {
     if (freed.how == FreeNumbers::none) break;
+    if (freed.how == FreeNumbers::ask && !is_worth_asking(estimate)) break;
     NumberTrials trials = estimation.try_numbers(budget);
     if (trials.stopped) estimate.leave_out("numbers that the record asks for, as unknowns");
     freed.tried.insert(freed.tried.end(), trials.tried.begin(), trials.tried.end());
