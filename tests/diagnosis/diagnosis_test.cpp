@@ -31,6 +31,13 @@ protected:
     return run_study(load_study(write_case(of, measurement, changes, folder).string()), "estimate");
   }
 
+  static CaseFamily with_unknown_delay_of_a11() {
+    CaseFamily with_delay = family;
+    auto& text = with_delay.estimate;
+    text.insert(text.find("  settle"), "    sensors.a11.delay: {initial: 0 s, std: 10 ms}\n");
+    return with_delay;
+  }
+
   /// "code subject" of the first reason.
   static std::string first_reason(const StudyResults& results) {
     const auto reasons = results.verdict.reasons();
@@ -147,6 +154,19 @@ TEST_F(Diagnoses, FindUnknownClocksAgainBesideAMistake) {
   EXPECT_TRUE(diagnosis.together.empty());
   EXPECT_TRUE(diagnosis.one_explains_all());
   EXPECT_NEAR(diagnosis.tested[0].mean_nis, 4.0, 0.4);
+}
+
+TEST_F(Diagnoses, FindUnknownClocksAgainBesideTwoMistakes) {
+  auto wrong = clean;
+  wrong.sensors.values.row(2) *= -1.0;
+  const Eigen::RowVectorXd given = wrong.sensors.values.row(3);
+  wrong.sensors.values.row(3).tail(given.size() - 12) = given.head(given.size() - 12);
+  const auto results = run(wrong, {{"stiffness: 20 kN/m", "stiffness: 26 kN/m"}}, with_unknown_delay_of_a11());
+  const auto together = results.get<EstimationOutcome>().diagnosis->together;
+  ASSERT_EQ(together.size(), 2);
+  EXPECT_EQ(together[0].code + " " + together[0].subject, "sensor_sign a7");
+  EXPECT_EQ(together[1].code + " " + together[1].subject, "fixed_parameter wheel.k_w.stiffness");
+  EXPECT_NEAR(together[1].mean_nis, 4.0, 0.4);
 }
 
 TEST(Likeness, FindsLagSignAndGain) {

@@ -21,29 +21,39 @@ FilterRun DiagnosisInput::run() const {
 
 DiagnosisInput found_again(const DiagnosisInput& input, const Undo& undo) {
   if (!input.uncorrected) return undo(input).input;
-  const auto& [problem, record, events] = *input.uncorrected;
+  const auto given = std::make_shared<UncorrectedRun>(*input.uncorrected);
+  given->undone.push_back(undo);
   const auto undone_at = [&](const CorrectedProblem& values) {
-    DiagnosisInput at = input;
-    auto own = std::make_shared<EstimationProblem>(*values.problem);
-    own->settings.substeps = input.problem->settings.substeps;
-    at.problem = std::move(own);
-    at.record = without(values.record, events);
-    return undo(at).input;
+    auto problem = std::make_shared<EstimationProblem>(*values.problem);
+    problem->settings.substeps = input.problem->settings.substeps;
+    DiagnosisInput at{.problem = std::move(problem),
+                      .parts = given->parts,
+                      .record = without(values.record, given->events),
+                      .options = input.options,
+                      .nis = input.nis,
+                      .steps = input.steps,
+                      .updated = input.updated};
+    for (const auto& each : given->undone) at = each(at).input;
+    at.uncorrected = given;
+    return at;
   };
-  const EstimationOptions options{.unscented = input.options.unscented, .adaptive_noise = input.options.adaptive_noise};
   const auto run = [&](const CorrectedProblem& values) {
     const FilterRun made = undone_at(values).run();
-    EstimationOptions own = options;
-    own.filter = made.choice.filter;
-    own.state_deviations = false;
-    return estimate(*made.choice.augmented_model, made.input, own);
+    return estimate(*made.choice.augmented_model, made.input,
+                    {.filter = made.choice.filter,
+                     .unscented = input.options.unscented,
+                     .state_deviations = false,
+                     .adaptive_noise = input.options.adaptive_noise});
   };
   IssueList issues;
-  const auto setup = make_augmented_model_setup(*problem, input.parts, {}, issues);
+  const auto setup = make_augmented_model_setup(*given->problem, given->parts, {}, issues);
   issues.raise();
-  const auto found =
-      estimate_likelihood_unknowns(problem, setup, first_samples(record, input.record.samples()), options, run);
-  return found ? undone_at(found->corrected) : undo(input).input;
+  const Record part = first_samples(given->record, input.record.samples());
+  if (const auto found = estimate_likelihood_unknowns(given->problem, setup, part, input.options, run))
+    return undone_at(found->corrected);
+  DiagnosisInput as_found = undo(input).input;
+  as_found.uncorrected = given;
+  return as_found;
 }
 
 Correction about(DiagnosisInput input, StructureModel structure) {

@@ -14,11 +14,19 @@
 
 namespace kalfem {
 
+struct Correction;
+struct DiagnosisInput;
+
+/// How a mistake is undone in a run that is to be explained.
+using Undo = std::function<Correction(const DiagnosisInput&)>;
+
 /// What a run is of before unknown gains, clocks and noise, the problem's likelihood unknowns, are found.
-struct UncorrectedRecord {
+struct UncorrectedRun {
   EstimationProblemPtr problem;
+  StructureParts parts;
   Record record;
   std::vector<SensorEvent> events;  ///< whose samples do not count
+  std::vector<Undo> undone = {};    ///< one after another
 };
 
 /// A run of a filter that is to be explained: the problem, the parts that its model is made of, and the record.
@@ -37,7 +45,7 @@ struct DiagnosisInput {
   /// Changes of the inputs and the noise that the filter receives, one after another.
   std::vector<std::function<void(FilterRun&)>> on_run = {};
   /// Where the problem and the record have likelihood unknowns at the values that the run found; otherwise null.
-  std::shared_ptr<const UncorrectedRecord> uncorrected = {};
+  std::shared_ptr<const UncorrectedRun> uncorrected = {};
 
   /// The filter's run over the record. Throws InvalidInput as make_filter_run() does.
   [[nodiscard]] FilterRun run() const;
@@ -49,9 +57,6 @@ struct Correction {
   /// log |d corrected / d recorded| over all samples, which makes likelihoods of corrected records comparable.
   double log_jacobian = 0.0;
 };
-
-/// How a mistake is undone in a run that is to be explained.
-using Undo = std::function<Correction(const DiagnosisInput&)>;
 
 /// The input with a mistake undone. Unknown gains, clocks and noise are found again beside that, as they were found
 /// with the mistake in the record or in the model.

@@ -70,10 +70,10 @@ std::optional<Diagnosis> look_for_cause(const EstimationProblem& problem, const 
     const auto& likelihood = estimate.likelihood;
     auto as_run = std::make_shared<EstimationProblem>(likelihood ? *likelihood->corrected.problem : problem);
     as_run->settings.substeps = std::min(most_trial_substeps, estimate.augmented_model->options().substeps);
-    std::shared_ptr<const UncorrectedRecord> uncorrected;
+    std::shared_ptr<const UncorrectedRun> uncorrected;
     if (likelihood)
-      uncorrected = std::make_shared<UncorrectedRecord>(
-          UncorrectedRecord{std::make_shared<EstimationProblem>(problem), record, estimate.events});
+      uncorrected = std::make_shared<UncorrectedRun>(
+          UncorrectedRun{std::make_shared<EstimationProblem>(problem), parts, record, estimate.events});
     diagnosis = diagnose(
         {.problem = std::move(as_run),
          .parts = parts,
