@@ -5,6 +5,7 @@
 #include "diagnosis/case_family.hpp"
 #include "kalfem/diagnosis/candidates.hpp"
 #include "kalfem/diagnosis/left_out_predictions.hpp"
+#include "kalfem/records/clock_lag.hpp"
 #include "kalfem/steps/estimation/outcome.hpp"
 #include "kalfem/steps/run_study.hpp"
 
@@ -100,6 +101,18 @@ TEST_F(Diagnoses, FindADelay) {
   const auto results = run(late);
   EXPECT_EQ(first_reason(results), "sensor_delay a11");
   EXPECT_EQ(results.get<EstimationOutcome>().diagnosis->tested[0].value, 12.0);
+}
+
+/// Whole samples leave something, so parts of them are tried until nothing is left.
+TEST_F(Diagnoses, FindADelayBetweenTwoSamples) {
+  auto late = clean;
+  const Eigen::VectorXd moved = with_lag(late.sensors, 3, {.delay = 2.4 / late.sensors.sample_rate});
+  late.sensors.values.row(3) = moved.array().isFinite().select(moved, 0.0).transpose();
+  const auto results = run(late);
+  EXPECT_EQ(first_reason(results), "sensor_delay a11");
+  const auto& diagnosis = *results.get<EstimationOutcome>().diagnosis;
+  EXPECT_NEAR(diagnosis.tested[0].value, 2.4, 0.15);
+  EXPECT_TRUE(diagnosis.together.empty());
 }
 
 TEST_F(Diagnoses, NameSensorsThatAreExchanged) {

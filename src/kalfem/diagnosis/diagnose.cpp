@@ -172,10 +172,11 @@ std::string text_of_single(const Diagnosis& diagnosis, const TestedHypothesis& c
 std::string text_beside(const TestedHypothesis& one, const TestedHypothesis& other, bool all_is_explained) {
   const std::string alone =
       std::isfinite(one.nis_before) ? fmt::format("it is {:.3g}", one.nis_before) : "the filter stops";
+  const std::string second =
+      one.subject == other.subject ? other.words : fmt::format("'{}' is not as it should be either", other.subject);
   return fmt::format(
-      "{}, and '{}' is not as it should be either: with both undone the mean NIS is {:.3g} (expected {:.3g}){}, with "
-      "the other one alone {}",
-      one.words, other.subject, one.mean_nis, one.expected_nis, remainder(all_is_explained), alone);
+      "{}, and {}: with both undone the mean NIS is {:.3g} (expected {:.3g}){}, with the other one alone {}", one.words,
+      second, one.mean_nis, one.expected_nis, remainder(all_is_explained), alone);
 }
 
 }  // namespace

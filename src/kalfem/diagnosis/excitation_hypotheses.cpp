@@ -107,8 +107,7 @@ private:
                       .search = Search::samples,
                       .step = 1.0,
                       .fitted = 1,
-                      .correct = [*this](const DiagnosisInput& input,
-                                         double late) { return earlier(input, static_cast<Index>(std::lround(late))); },
+                      .correct = [*this](const DiagnosisInput& input, double late) { return earlier(input, late); },
                       .words =
                           [name = name_, rate](double late, const auto&) {
                             return fmt::format("the excitation '{}' is {} ms {} against the sensors", name,
@@ -117,14 +116,17 @@ private:
                       .remedy = "align the clocks of the excitation and of the sensors"});
   }
 
-  /// The input moved to earlier times by so many samples; its ends are held.
-  [[nodiscard]] Correction earlier(const DiagnosisInput& input, Index samples) const {
+  /// The input moved to earlier times by so many samples, interpolated between instants; its ends are held.
+  [[nodiscard]] Correction earlier(const DiagnosisInput& input, double samples) const {
     return with(input, [i = i_, samples](FilterRun& run) {
       const Index stride = run.input.input_stride(run.choice.augmented_model->options().instants());
       auto moved = rows_of(run.input.inputs, i);
       const MatrixXd given = moved;
-      for (Index k = 0; k < given.cols(); ++k)
-        moved.col(k) = given.col(std::clamp<Index>(k + samples * stride, 0, given.cols() - 1));
+      const double shift = samples * static_cast<double>(stride);
+      const auto whole = static_cast<Index>(std::floor(shift));
+      const double part = shift - static_cast<double>(whole);
+      const auto at = [&](Index k) { return given.col(std::clamp<Index>(k, 0, given.cols() - 1)); };
+      for (Index k = 0; k < given.cols(); ++k) moved.col(k) = (1.0 - part) * at(k + whole) + part * at(k + whole + 1);
     });
   }
 

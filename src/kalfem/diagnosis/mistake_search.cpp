@@ -21,6 +21,7 @@ namespace {
 constexpr double worth_refining = 0.2;  ///< part of the best's rise
 constexpr double worth_looking = 0.1;   ///< part of the best's rise: a second law that is looked into
 constexpr double nearly_as_good = 0.9;  ///< part of the best's rise
+constexpr double finest_part = 0.02;    ///< of a sample
 constexpr double worth_telling = 0.01;  ///< part of the rise: a further force of a law
 constexpr double as_good = 0.002;       ///< log-likelihood per measured value by which equal explanations differ
 
@@ -280,13 +281,15 @@ void MistakeSearch::refine_the_best() {
   for_each_index(chosen.size(), processors(), [&](std::size_t c) { refine(chosen[c], plan_.most_steps); });
 }
 
-/// Walks uphill, twice as far after each success, and half as far, the other way, after each failure.
+/// Walks uphill, twice as far after each success, and half as far, the other way, after each failure. A delay goes by
+/// whole samples, and by parts of them where these leave something.
 void MistakeSearch::refine(std::size_t h, int most_steps) {
   const Hypothesis& hypothesis = hypotheses_[h];
   if (hypothesis.search == Search::none) return;
   double steps = 1.0;
   for (int i = 0; i < most_steps; ++i) {
-    if (hypothesis.search == Search::samples && std::abs(steps) < 1.0) break;
+    const bool is_part = hypothesis.search == Search::samples && std::abs(steps) < 1.0;
+    if (is_part && (scores_[h].leaves_nothing() || std::abs(steps) < finest_part)) break;
     const double before = scores_[h].log_likelihood;
     const bool better = try_value(h, moved(hypothesis, values_[h], steps)) > before;
     const bool first_failure = !better && i == 0;

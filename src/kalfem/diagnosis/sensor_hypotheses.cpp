@@ -48,6 +48,14 @@ VectorXd earlier(const VectorXd& recorded, Index lag) {
   return moved;
 }
 
+/// The input with a channel moved to earlier times by so many samples, as recorded where these are whole.
+Correction with_true_clock(const DiagnosisInput& input, const std::string& channel, double lag) {
+  return with(input, channel, [&](const VectorXd& recorded) {
+    if (lag == std::round(lag)) return earlier(recorded, static_cast<Index>(lag));
+    return without_lag(input.record, input.record.find(channel), {lag / input.record.sample_rate, 0.0});
+  });
+}
+
 /// Mistakes of units that may be behind a gain. One that is far from 1 is known roughly, as the model may be wrong
 /// besides: then the usual mistakes as well.
 std::vector<double> units_for(const std::optional<double>& gain) {
@@ -180,12 +188,8 @@ private:
                       .search = Search::samples,
                       .step = 1.0,
                       .fitted = 1,
-                      .correct =
-                          [name = name_](const DiagnosisInput& input, double lag) {
-                            return with(input, name, [&](const VectorXd& recorded) {
-                              return earlier(recorded, static_cast<Index>(std::lround(lag)));
-                            });
-                          },
+                      .correct = [name = name_](const DiagnosisInput& input,
+                                                double lag) { return with_true_clock(input, name, lag); },
                       .words =
                           [name = name_, rate](double lag, const auto&) {
                             return fmt::format("'{}' is {} ms {}", name, in_words(1e3 * std::abs(lag) / rate),
