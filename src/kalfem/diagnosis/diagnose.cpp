@@ -49,10 +49,7 @@ struct SearchBeside {
   SearchBeside(const DiagnosisInput& whole, const Found& other, const TrialPlan& plan)
       : search(found_again(whole, other.undo), plan) {}
 
-  SearchBeside& run(const std::function<bool(const Hypothesis&)>& wanted) {
-    diagnosis = search.run(wanted);
-    return *this;
-  }
+  void run(const std::function<bool(const Hypothesis&)>& wanted) { diagnosis = search.run(wanted); }
   [[nodiscard]] Found likeliest() const { return {diagnosis.tested.front(), search.undo(0)}; }
   [[nodiscard]] double mean_nis() const {
     return diagnosis.failed ? std::numeric_limits<double>::infinity() : diagnosis.mean_nis;
