@@ -278,6 +278,11 @@ void add_live_verbs(CLI::App& app, Arguments& arguments) {
       ->type_name("N")
       ->check(CLI::Range(1, 65535));
   watch
+      ->add_option("--page", watched.page,
+                   "show estimates, verdict, alarms and trend as they come, on a page at this TCP port of 127.0.0.1")
+      ->type_name("N")
+      ->check(CLI::Range(1, 65535));
+  watch
       ->add_option("--state", watched.state,
                    "keep the state, alarms and trend in this folder; of a folder of cases: in a folder for each in it")
       ->type_name("FOLDER");

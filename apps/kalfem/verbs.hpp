@@ -96,6 +96,7 @@ struct WatchArguments {
   std::string replay;                ///< such a file, read in the place of a stream; empty: none
   int port = 0;                      ///< of TCP on the loopback; 0: as the case says, or standard input
   int metrics = 0;                   ///< port on the loopback for metrics and health; 0: as the case says, or none
+  int page = 0;                      ///< port on the loopback for the page; 0: as the case says, or none
   std::string state;                 ///< folder; of a folder of cases: that of their folders; empty: as the case says
   std::string format = "json";       ///< or "influx"
   std::string output;                ///< file that lines go to the end of; empty: standard output

@@ -9,7 +9,8 @@
 #include "console.hpp"
 #include "kalfem/base/atomic_file.hpp"
 #include "kalfem/watch/influx_lines.hpp"
-#include "metrics_port.hpp"
+#include "kalfem/watch/message_history.hpp"
+#include "local_server.hpp"
 #include "verbs.hpp"
 #include "watched_case.hpp"
 
@@ -18,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Lines of all cases to standard output, or at the end of a file.
+/// Lines of all cases to standard output, or at the end of a file, and to the page.
 class WatchOutput {
 public:
   WatchOutput(const WatchArguments& arguments, bool names_cases)
@@ -30,6 +31,7 @@ public:
   }
 
   void say(MessageKind kind, const std::string& line, const std::string& name) {
+    show(kind, line, name);
     const std::string text = as_influx_ ? influx_lines(kind, line, name) : named(line, name) + "\n";
     const std::scoped_lock lock(lock_);
     if (file_.is_open()) {
@@ -40,6 +42,12 @@ public:
       require_output();
     }
   }
+  /// On the page alone.
+  void show(MessageKind kind, const std::string& line, const std::string& name) {
+    if (shown_) shown_->add(kind, name, line);
+  }
+  /// From now on there is one; what it shows.
+  const MessageHistory& open_page() { return shown_.emplace(); }
   void tell(const std::string& text, const std::string& name) {
     const std::scoped_lock lock(lock_);
     if (names_cases_)
@@ -57,7 +65,25 @@ private:
   fs::path file_name_;
   std::ofstream file_;
   std::mutex lock_;
+  std::optional<MessageHistory> shown_;
 };
+
+/// The ports that were asked for, one where both are the same.
+class LocalPorts {
+public:
+  LocalPorts(std::optional<int> metrics, std::optional<int> page,
+             const std::function<std::vector<WatchedHealth>()>& cases, WatchOutput& output) {
+    if (metrics && metrics != page) metrics_.emplace(*metrics, cases, nullptr);
+    if (!page) return;
+    page_.emplace(*page, cases, &output.open_page());
+    print_error("shows what it does at http://127.0.0.1:{}/\n", *page);
+  }
+
+private:
+  std::optional<LocalServer> metrics_, page_;
+};
+
+std::optional<int> port_of(int argument) { return argument > 0 ? std::optional(argument) : std::nullopt; }
 
 /// The cases of a folder that are live, each in a thread of its own, so that one that fails does not touch the others.
 class WatchedFolder {
@@ -72,9 +98,9 @@ public:
     for (const auto& file : files) add(file, arguments);
   }
 
-  ExitCode run(std::optional<int> metrics) {
-    std::optional<MetricsPort> port;
-    if (metrics) port.emplace(*metrics, [this] { return health(); });
+  ExitCode run(const WatchArguments& arguments) {
+    const LocalPorts ports(
+        port_of(arguments.metrics), port_of(arguments.page), [this] { return health(); }, output_);
     {
       std::vector<std::jthread> threads;
       for (auto& each : cases_)
@@ -98,7 +124,10 @@ private:
     auto entry = std::make_unique<Entry>();
     entry->name = file.stem().string();
     const std::string name = entry->name;
-    WatchedCaseOptions options{.case_file = file.string(), .alone = false};
+    WatchedCaseOptions options{
+        .case_file = file.string(), .alone = false, .recall = [this, name](MessageKind kind, const std::string& line) {
+          output_.show(kind, line, name);
+        }};
     if (!arguments.state.empty()) options.state = fs::path(arguments.state) / name;
     for (const auto& change : changes_of(arguments.changes)) options.changes.emplace_back(change.key, change.value);
     if (!arguments.log.empty()) {
@@ -109,6 +138,9 @@ private:
       entry->watched = std::make_unique<WatchedCase>(
           options, [this, name](MessageKind kind, const std::string& line) { output_.say(kind, line, name); },
           [this, name](const std::string& text) { output_.tell(text, name); });
+      if (entry->watched->plan().metrics || entry->watched->plan().page)
+        output_.tell("live.metrics and live.page are of a case that is watched alone; of a folder, give --metrics or "
+                     "--page", name);
     } catch (const InvalidInput& error) {
       fail(*entry, error.what());
     }
@@ -157,24 +189,29 @@ ExitCode watch_folder(const WatchArguments& arguments) {
     throw InvalidInput("--replay and --port are of one case, and " + arguments.case_file + " is a folder", "",
                        "give live.port in each case, or replay them one by one");
   WatchedFolder folder(arguments);
-  return folder.run(arguments.metrics > 0 ? std::optional(arguments.metrics) : std::nullopt);
+  return folder.run(arguments);
 }
 
 ExitCode watch_case(const WatchArguments& arguments) {
   WatchOutput output(arguments, false);
-  WatchedCaseOptions options{.case_file = arguments.case_file, .state = arguments.state, .log = arguments.log};
+  const std::string name = fs::path(arguments.case_file).stem().string();
+  WatchedCaseOptions options{
+      .case_file = arguments.case_file,
+      .state = arguments.state,
+      .log = arguments.log,
+      .recall = [&](MessageKind kind, const std::string& line) { output.show(kind, line, name); }};
   for (const auto& change : changes_of(arguments.changes)) options.changes.emplace_back(change.key, change.value);
   if (arguments.port > 0) options.port = arguments.port;
-  const std::string name = fs::path(arguments.case_file).stem().string();
   WatchedCase watched(
       options, [&](MessageKind kind, const std::string& line) { output.say(kind, line, name); },
       [&](const std::string& text) { output.tell(text, name); });
   if (!arguments.replay.empty()) {
     watched.replay(arguments.replay);
   } else {
-    std::optional<MetricsPort> port;
-    const auto metrics = arguments.metrics > 0 ? std::optional(arguments.metrics) : watched.plan().metrics;
-    if (metrics) port.emplace(*metrics, [&] { return std::vector{watched.health()}; });
+    const auto metrics = port_of(arguments.metrics), page = port_of(arguments.page);
+    const LocalPorts ports(
+        metrics ? metrics : watched.plan().metrics, page ? page : watched.plan().page,
+        [&] { return std::vector{watched.health()}; }, output);
     watched.run([] { return stop_question()(); });
   }
   return watched.usable() ? done : not_usable;

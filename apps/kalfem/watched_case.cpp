@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 constexpr auto state_interval = std::chrono::milliseconds(900);  ///< between two states on disk, at most a second
 constexpr auto patience = std::chrono::seconds(10);              ///< without a line, until it is told
 constexpr int poll_interval = 100;                               ///< [ms]
+constexpr std::size_t most_told = 100;                           ///< topics with a message that cannot be used
 
 std::vector<CaseChange> changes_of(const WatchedCaseOptions& options) {
   std::vector<CaseChange> changes;
@@ -45,7 +46,7 @@ StreamSource::State MqttSource::read(int milliseconds, std::string& bytes) {
   for (const auto& [topic, payload] : broker_.take()) try {
       if (const auto line = lines_.line_of(topic, payload)) bytes += *line + "\n";
     } catch (const InvalidInput& error) {
-      if (told_.insert(topic).second) tell_(std::string(error.what()) + "; such messages are left out");
+      if (told_.size() < most_told && told_.insert(topic).second) tell_(std::string(error.what()) + "; such messages are left out");
     }
   if (lines_.lost() > 0 && !std::exchange(told_lost_, true))
     tell_("the counters of the blocks miss some: they were lost on the way");
@@ -86,6 +87,7 @@ void WatchedCase::run(const std::function<bool()>& stops) {
     read_state_file(state_file_, watcher_.fingerprint(), watcher_);
     tell_("goes on from " + shortest(watcher_.time()) + " s, after " + std::to_string(watcher_.lines()) +
           " lines, with the state in " + state_file_.string());
+    if (options_.recall) watcher_.recall(options_.recall);
   }
   if (!options_.log.empty()) catch_up();
   const auto source = open_source();

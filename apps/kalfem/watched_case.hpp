@@ -26,6 +26,7 @@ struct WatchedCaseOptions {
   std::string log;               ///< file that keeps what comes in; empty: none
   std::optional<int> port = {};  ///< of TCP that lines are read from
   bool alone = true;             ///< it may read standard input, and use every core; otherwise one
+  Watcher::Say recall = {};      ///< takes the alarms and the days of the trend of a state that it goes on from
 };
 
 /// One live case from its source to its outputs: reads until the source ends or the command is asked to stop, keeps the

@@ -275,6 +275,24 @@ py::list events_of(PythonFilter& self) {
   return all;
 }
 
+py::dict dict_of(const SpanHealth& health) {
+  py::dict shares;
+  using enum FilterCondition;
+  for (const auto condition : {warming_up, consistent, suspicious, unusable, silent})
+    if (health.share(condition) > 0.0) shares[py::str(to_string(condition))] = health.share(condition);
+  py::list reasons;
+  for (const auto& [code, subject, share] : health.reasons) reasons.append(py::make_tuple(code, subject, share));
+  return py::dict(py::arg("seconds") = health.duration, py::arg("shares") = shares, py::arg("nis") = health.mean_nis,
+                  py::arg("expected_nis") = health.expected_nis, py::arg("reasons") = reasons);
+}
+
+py::dict health_of(PythonFilter& self) {
+  const auto& filter = self.filter();
+  return py::dict(py::arg("minute") = dict_of(filter.health(HealthSpan::minute)),
+                  py::arg("hour") = dict_of(filter.health(HealthSpan::hour)),
+                  py::arg("day") = dict_of(filter.health(HealthSpan::day)));
+}
+
 py::tuple tuple_of(const ParameterChange& what) {
   return py::make_tuple(what.parameter, what.change, what.std, py::make_tuple(what.lower, what.upper), what.since,
                         py::make_tuple(what.earliest, what.latest));
@@ -426,6 +444,15 @@ int
       .def_property_readonly(
           "condition", [](PythonFilter& self) { return to_string(self.filter().condition()); },
           "``warming up``, ``consistent``, ``suspicious``, ``unusable`` or ``silent``.")
+      .def_property_readonly("health", &health_of, R"(
+How it has fared over the latest minute, hour and day of the stream, by one look a second: for each of ``minute``,
+``hour`` and ``day`` a dictionary of
+
+* ``seconds``, of the span as far as the filter has been there,
+* ``shares``, of the time by `condition`,
+* ``nis`` and ``expected_nis``, means; NaN where no sensor gave a value,
+* ``reasons``, a list of (code, subject, share of the time), the largest share first.
+)")
       .def("_events", &events_of)
       .def("_alarms", &alarms_of)
       .def("_changes", &present_changes_of)

@@ -32,7 +32,7 @@ class Watch(core.Watch):
         -------
         list of dict
             The estimates that are due since, one every ``live.every``: `t`, `condition`, `verdict`, `reasons`,
-            `parameters`, `outputs`, `events` ... as docs/live.md lists them; and, with ``live.alarms``, the alarms, each
+            `health`, `parameters`, `outputs`, `events` ... as docs/live.md lists them; and, with ``live.alarms``, the alarms, each
             under the key `alarm`, and the days that are over, under `trend`.
 
         Warns

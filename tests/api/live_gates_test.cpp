@@ -181,6 +181,29 @@ TEST(LiveGates, LeaveOutByChanceWhatTheLimitSays) {
   EXPECT_NEAR(left_out, 0.0027 * values, 4.0 * std::sqrt(0.0027 * values) + 0.2 * 0.0027 * values);
 }
 
+TEST(LiveGates, HoldWhatNoSampleTellsOf) {
+  std::mt19937 random(8);
+  std::normal_distribution<double> normal;
+  const Index samples = 120 * per_second;
+  const auto deviation_after_rest = [&](const OnlineOptions& online) {
+    LiveFilter live(structure(3e6).base_displacement("road", "wheel.ground"), rate,
+                    {.sensors = sensors, .unknowns = {{"strut.k1", {.std = 1e3, .random_walk = 300.0}}}},
+                    {.filter = online});
+    for (Index first = 0; first < samples; first += per_second) {
+      const double time = static_cast<double>(first) / rate;
+      live.push("road", time, VectorXd::Zero(per_second));
+      live.push("wheel", time, VectorXd::NullaryExpr(per_second, [&] { return 0.05 * normal(random); }));
+      live.push("body", time, VectorXd::NullaryExpr(per_second, [&] { return 0.02 * normal(random); }));
+    }
+    const auto k1 = live.filter().parameter("strut.k1");
+    EXPECT_NEAR(k1.mean, 2e4, 0.3 * k1.std);
+    return k1.std;
+  };
+  EXPECT_GT(deviation_after_rest({}), 2.5e3);  // 300 sqrt(120) = 3290
+  EXPECT_LT(deviation_after_rest(gated), 1.11e3);
+  EXPECT_GT(deviation_after_rest(gated), 0.9e3);
+}
+
 TEST(LiveGates, RefuseOptionsOutOfRange) {
   const auto with = [](GateOptions gates) {
     return refusal_of([&] {

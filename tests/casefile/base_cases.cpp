@@ -620,6 +620,7 @@ live:
   state: kept
   port: 5001
   metrics: 9101
+  page: 9102
   mqtt: {broker: localhost, port: 1883, client: tower, publish: kalfem/tower, login: input.csv, authority: input.csv, certificate: input.csv, key: input.csv}
   alarms: {window: 30 s, reference: 50, memory: 40, level: 3 %, hysteresis: 0.2, persistence: 3, false_alarms_every: 100 h, covariates: {temperature: {channel: T, effect: 0.1 %}}}
 estimate:

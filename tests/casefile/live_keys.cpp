@@ -87,7 +87,13 @@ void mqtt() {
   EXPECT_EQ(found.client, "me");
   EXPECT_EQ(found.topics, std::vector<std::string>{"a/+"});
   EXPECT_EQ(found.publish, "out");
-  EXPECT_EQ(plan_of(", metrics: 9101").metrics, 9101);
+}
+
+void local_ports() {
+  const auto plan = plan_of(", metrics: 9101, page: 9102");
+  EXPECT_EQ(plan.metrics, 9101);
+  EXPECT_EQ(plan.page, 9102);
+  EXPECT_THROW(static_cast<void>(plan_of(", port: 9102, page: 9102")), InvalidInput);
 }
 
 void mqtt_files() {
@@ -118,7 +124,7 @@ KeyChecks live_keys() {
   add("live.alarms.", {"window", "reference", "memory", "level", "hysteresis", "persistence", "false_alarms_every"},
       alarms);
   add("live.alarms.covariates.*.", {"channel", "effect"}, alarms);
-  add("live.", {"metrics"}, mqtt);
+  add("live.", {"metrics", "page"}, local_ports);
   add("live.mqtt.", {"broker", "port", "client", "topics", "publish"}, mqtt);
   add("live.mqtt.", {"login", "authority", "certificate", "key"}, mqtt_files);
   return keys;

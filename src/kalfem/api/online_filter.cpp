@@ -31,6 +31,7 @@ const Verdict& OnlineFilter::verdict() const { return steps_->loop().verdict(); 
 ConsistencySummary OnlineFilter::consistency() const { return steps_->loop().consistency(); }
 
 FilterCondition OnlineFilter::condition() const { return steps_->loop().condition(); }
+SpanHealth OnlineFilter::health(HealthSpan span) const { return steps_->loop().health(span); }
 
 std::vector<FilterEvent> OnlineFilter::events() const {
   const auto& kept = steps_->loop().log().events();

@@ -82,6 +82,8 @@ public:
   /// With gates a sensor that is left out is a reason, too.
   [[nodiscard]] const Verdict& verdict() const;
   [[nodiscard]] FilterCondition condition() const;
+  /// Condition, NIS and reasons over the latest minute, hour or day of the stream, as shares of the time.
+  [[nodiscard]] SpanHealth health(HealthSpan span) const;
   /// What the gates have noticed, the latest GateOptions::most_events, the oldest first.
   [[nodiscard]] std::vector<FilterEvent> events() const;
   /// With OnlineOptions::changes: a value of a covariate at a time from the first sample on [s], before the filter has

@@ -49,6 +49,7 @@ struct Live {
   std::optional<Located<Alarms>> alarms = {};  ///< on changes of the unknowns
   std::optional<Located<Mqtt>> mqtt = {};
   std::optional<int> metrics = {};  ///< TCP port on the loopback that tells metrics and health
+  std::optional<int> page = {};     ///< TCP port on the loopback of the page that shows estimates as they come
   std::optional<int> port;          ///< of TCP, on the loopback; if empty, standard input
 };
 

@@ -131,6 +131,8 @@ Schema<Live> live() {
           .optional("mqtt", &Live::mqtt, located(mqtt()), "read samples from a broker of MQTT, and publish estimates")
           .optional("metrics", &Live::metrics, integer(1, 65535),
                     "TCP port on this computer that tells metrics (/metrics, for Prometheus) and health (/health)")
+          .optional("page", &Live::page, integer(1, 65535),
+                    "TCP port on this computer of a page that shows estimates, verdict, alarms and trend as they come")
           .optional("port", &Live::port, integer(1, 65535),
                     "TCP port on this computer that lines are read from, in place of standard input"));
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -48,6 +49,25 @@ enum class FilterCondition {
 };
 
 std::string to_string(FilterCondition condition);
+
+/// A span of the stream that ends now.
+enum class HealthSpan { minute, hour, day };
+
+/// A reason of the verdict, and the share of a span for which it stood.
+struct ReasonShare {
+  std::string code, subject;
+  double share = 0.0;
+};
+
+/// How a filter has fared over a span, by one look a second.
+struct SpanHealth {
+  double duration = 0.0;            ///< of the span as far as the filter has been there [s]
+  std::array<double, 5> shares = {};  ///< of the time, by FilterCondition
+  double mean_nis = 0.0, expected_nis = 0.0;  ///< not a number where no sensor gave a value
+  std::vector<ReasonShare> reasons = {};      ///< the largest share first
+
+  [[nodiscard]] double share(FilterCondition condition) const { return shares[static_cast<std::size_t>(condition)]; }
+};
 
 enum class FilterEventKind {
   spike,      ///< a single value is far off

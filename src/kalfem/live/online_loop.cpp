@@ -19,6 +19,8 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+constexpr long between_looks = 128;      ///< samples, at how far unknowns have walked
+constexpr double beyond_the_prior = 1.1; ///< deviations of the prior, from where on an unknown is held
 
 /// A record of one missing sample, from which the filter's model is made.
 Record no_record(double sample_rate, const std::vector<Sensor>& sensors) {
@@ -64,6 +66,7 @@ OnlineLoop::OnlineLoop(FilterProblem problem, const OnlineOptions& options)
       step_(1.0 / made_.problem->sample_rate),
       nis_(not_a_number),
       window_(made_.setup.sensors, made_.problem->sample_rate, options.window),
+      health_(step_),
       gates_(options.gates.value_or(GateOptions{})),
       gated_(options.gates.has_value()),
       gate_(gates_, gated_sensors(made_.setup.sensors)) {
@@ -79,6 +82,8 @@ OnlineLoop::OnlineLoop(FilterProblem problem, const OnlineOptions& options)
   linear_unknowns_ = linear_unknowns(model_->options());
   setup_ = std::make_unique<FilterSetup>(model_, noise_, options_);
   setup_->filter->reset(model_->prior());
+  prior_deviation_ =
+      setup_->filter->standard_deviation().segment(model_->layout().unknown(), model_->layout().unknowns);
   linearised_about_ = linear_estimate(true);
   lag_ = FixedLag(options.lag, model_->layout().size(), options_);
   lag_.use(place(), *setup_);
@@ -138,6 +143,7 @@ bool OnlineLoop::update(const VectorXd& measured) {
   if (!went_on(condition)) return false;
   if (changed_ != changed_before) return true;  // it has begun anew
   lag_.after_update(*setup_, innovation, sample_, inputs_);
+  if (gated_ && sample_ % between_looks == 0) hold_at_prior();
   const bool judged = window_.add(time(), innovation);
   if (judged || gate_.changes() != seen_changes_) renew_verdict();
   if (gated_ && gate_.blames_filter())
@@ -145,6 +151,7 @@ bool OnlineLoop::update(const VectorXd& measured) {
   else if (gated_ && has_become_wrong())
     doubt_itself("its innovations, once consistent, have not been so for " + std::to_string(gates_.patience) +
                  " samples");
+  if (health_.add(innovation.nis, std::ssize(innovation.channels))) health_.look(this->condition(), verdict_);
   if (innovation.channels.empty()) return true;
   innovation_(innovation.channels) = innovation.value;
   nis_ = innovation.nis;
@@ -184,6 +191,20 @@ bool OnlineLoop::has_become_wrong() {
                      });
   unusable_ = wrong ? unusable_ + 1 : 0;
   return unusable_ >= gates_.patience;
+}
+
+/// While the structure is at rest no sample tells of its unknowns, and the deviation of one that walks at random would
+/// grow without end. It is held at that of its prior, at the correlations that it has; its mean stays.
+void OnlineLoop::hold_at_prior() {
+  const Index first = model_->layout().unknown(), count = model_->layout().unknowns;
+  const VectorXd now = setup_->filter->standard_deviation().segment(first, count);
+  if ((now.array() <= beyond_the_prior * prior_deviation_.array()).all()) return;
+  Gaussian held = estimate();
+  VectorXd scale = VectorXd::Ones(held.mean.size());
+  scale.segment(first, count) = prior_deviation_.cwiseQuotient(now).cwiseMin(1.0);
+  held.covariance = scale.asDiagonal() * held.covariance * scale.asDiagonal();
+  setup_->filter->reset(held);
+  lag_.begin(*setup_, sample_, inputs_);
 }
 
 /// It has been too sure of itself. Where wider deviations would explain what most sensors show, it is given them;
@@ -352,6 +373,7 @@ void OnlineLoop::transfer(auto& self, auto& archive) {
     archive(failure.reason);
   });
   InnovationWindow::transfer(self.window_, archive);
+  HealthSpans::transfer(self.health_, archive);
   SensorGate::transfer(self.gate_, archive);
   LastConsistent::transfer(self.last_consistent_, archive);
   archive(self.changed_);

@@ -11,6 +11,7 @@
 #include "kalfem/estimation/filter_setup.hpp"
 #include "kalfem/live/filter_problem.hpp"
 #include "kalfem/live/fixed_lag.hpp"
+#include "kalfem/live/health_spans.hpp"
 #include "kalfem/live/innovation_window.hpp"
 #include "kalfem/live/last_consistent.hpp"
 #include "kalfem/live/live_state.hpp"
@@ -68,6 +69,7 @@ public:
   /// Reasons of the window, and of the sensors that are left out.
   [[nodiscard]] const Verdict& verdict() const { return verdict_; }
   [[nodiscard]] FilterCondition condition() const;
+  [[nodiscard]] SpanHealth health(HealthSpan span) const { return health_.of(span); }
   /// Sample at which its deviations were last widened, or at which it last began anew; -1: never.
   [[nodiscard]] long changed() const { return changed_; }
   /// The latest events; none without gates.
@@ -88,6 +90,7 @@ private:
   bool stop_unless_usable(FilterOutcome outcome);
   void gate_channels(const Eigen::VectorXd& measured);
   [[nodiscard]] bool has_become_wrong();
+  void hold_at_prior();
   void doubt_itself(const std::string& why);
   void was_changed(FilterEventKind how, const std::string& text);
   bool begin_anew(const std::string& why);
@@ -115,6 +118,7 @@ private:
   std::vector<Eigen::Index> linear_unknowns_;
   LinearEstimate linearised_about_;
   bool relinearised_ = false;  ///< whether the model of `setup_` is not `model_` itself
+  Eigen::VectorXd prior_deviation_;  ///< of the unknowns, as states
   Eigen::MatrixXd noise_;
   Eigen::VectorXd inputs_;  ///< at the present sample
   Eigen::VectorXd innovation_;
@@ -123,6 +127,7 @@ private:
   std::optional<FilterStop> failure_;
   InnovationWindow window_;
   Verdict verdict_;
+  HealthSpans health_;
 
   FixedLag lag_{0, 0, {}};
   GateOptions gates_;

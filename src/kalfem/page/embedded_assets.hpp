@@ -8,6 +8,7 @@ namespace kalfem::assets {
 
 std::string_view page_style();    ///< assets/page.css with the style of uPlot
 std::string_view page_script();   ///< assets/page.js with its modules and uPlot, MIT licence, (c) Leon Sorokin
+std::string_view live_script();   ///< assets/live.js with its modules and uPlot
 std::string_view scene_script();  ///< assets/scene.js with its modules and three.js, MIT licence, (c) three.js authors
 
 }  // namespace kalfem::assets

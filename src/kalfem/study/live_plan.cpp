@@ -153,9 +153,10 @@ void check_alarms(const d::Case& given, IssueList& issues) {
 void check_ports(const d::Live& live, const SourceLocation& place, IssueList& issues) {
   if (live.port && live.mqtt && !live.mqtt->value.topics.empty())
     issues.add(place, "live has both `port` and `mqtt.topics`", "samples come from one of them", "remove one");
-  if (live.port && live.metrics == live.port)
-    issues.add(place, "live.port and live.metrics are the same port",
-               "lines come in by the one, metrics go out by the other", "give another number");
+  for (const auto& [name, port] : {std::pair{"metrics", live.metrics}, std::pair{"page", live.page}})
+    if (live.port && port == live.port)
+      issues.add(place, std::string("live.port and live.") + name + " are the same port",
+                 "lines come in by the one, and go out by the other", "give another number");
 }
 
 std::string unit_of_input(const d::Excitation& excitation) {
@@ -216,7 +217,7 @@ LivePlan make_live_plan(const Study& study) {
                              "put `live` in the place of its record; kalfem schema live lists the keys"});
   const d::Live& live = given.live->value;
   LivePlan plan{
-      .start = live.start, .every = live.every, .state = live.state, .port = live.port, .metrics = live.metrics};
+      .start = live.start, .every = live.every, .state = live.state, .port = live.port, .metrics = live.metrics, .page = live.page};
   if (live.mqtt) {
     const d::Mqtt& mqtt = live.mqtt->value;
     plan.mqtt = {.broker = mqtt.broker,

@@ -43,6 +43,7 @@ struct LivePlan {
   std::optional<int> port;      ///< lines are read from
   std::optional<MqttOptions> mqtt = {};
   std::optional<int> metrics = {};  ///< port that tells metrics and health
+  std::optional<int> page = {};     ///< port of the page; it may be the same
 };
 
 /// The plan of a case with `live`. Throws InvalidInput without it, and for what only a whole record allows.

@@ -9,6 +9,7 @@
 
 #include "kalfem/base/invalid_input.hpp"
 #include "kalfem/base/text.hpp"
+#include "kalfem/watch/stream_line.hpp"
 
 namespace kalfem {
 namespace {
@@ -17,6 +18,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view magic = "KFB1";
 constexpr std::size_t header = 4 + 4 + 8 + 8;  ///< bytes: magic, counter, t0, dt
+constexpr std::size_t most_topics = 10'000;     ///< whose counters are kept
+constexpr int deepest = 2;                      ///< level of JSON: an object of lists
 
 static_assert(std::endian::native == std::endian::little, "binary blocks are read as they stand");
 
@@ -29,6 +32,21 @@ T at(std::string_view bytes, std::size_t place) {
 
 std::string channel_of(const std::string& topic) { return valid_utf8(topic.substr(topic.rfind('/') + 1)); }
 
+/// An object; what is nested deeper than lists in it is refused before it is built.
+Json object_of(const std::string& topic, std::string_view payload) {
+  bool too_deep = false;
+  const auto goes_on = [&](int depth, Json::parse_event_t, const Json&) {
+    too_deep = too_deep || depth > deepest;
+    return !too_deep;
+  };
+  Json object = Json::parse(payload, goes_on, false);
+  if (too_deep || !object.is_object())
+    throw InvalidInput("a message on '" + valid_utf8(topic) +
+                           "' is neither a JSON object of numbers and lists of them nor a binary block",
+                       "", "");
+  return object;
+}
+
 std::string text_of(const Json& line) { return line.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 }  // namespace
@@ -36,6 +54,10 @@ std::string text_of(const Json& line) { return line.dump(-1, ' ', false, Json::e
 /// Counters run through 2^32. One that has fallen by much is that of a sender that has begun anew.
 bool MessageLines::is_new(const std::string& topic, std::uint32_t counter) {
   constexpr std::uint32_t recent = 1000;
+  if (counters_.size() >= most_topics && !counters_.contains(topic))
+    throw InvalidInput("a counter on '" + valid_utf8(topic) + "'",
+                       "those of " + std::to_string(most_topics) + " topics are kept, and so many have sent one",
+                       "name the topics of the sensors in live.mqtt.topics");
   const auto [last, first] = counters_.try_emplace(topic, counter);
   if (first) return true;
   const std::uint32_t behind = last->second - counter, ahead = counter - last->second;
@@ -49,6 +71,9 @@ bool MessageLines::is_new(const std::string& topic, std::uint32_t counter) {
 }
 
 std::optional<std::string> MessageLines::line_of(const std::string& topic, std::string_view payload) {
+  if (payload.size() > StreamLines::longest_line)
+    throw InvalidInput("a message of " + std::to_string(payload.size()) + " bytes on '" + valid_utf8(topic) + "'", "",
+                       "write fewer samples in a message");
   if (payload.starts_with(magic)) {
     if (payload.size() <= header || (payload.size() - header) % sizeof(double) != 0)
       throw InvalidInput("a binary block of " + std::to_string(payload.size()) + " bytes on '" + topic + "'",
@@ -61,9 +86,7 @@ std::optional<std::string> MessageLines::line_of(const std::string& topic, std::
     }
     return text_of({{"t", at<double>(payload, 8)}, {"dt", at<double>(payload, 16)}, {channel_of(topic), values}});
   }
-  Json object = Json::parse(payload, nullptr, false);
-  if (!object.is_object())
-    throw InvalidInput("a message on '" + topic + "' is neither a JSON object nor a binary block", "", "");
+  Json object = object_of(topic, payload);
   if (const auto counter = object.find("counter"); counter != object.end()) {
     if (!counter->is_number_unsigned() || counter->get<std::uint64_t>() > UINT32_MAX)
       throw InvalidInput("a message on '" + topic + "' has a counter that is no whole number below 2^32", "", "");

@@ -27,6 +27,19 @@ Json numbers(const PresentParameter& now) {
   return {{"estimate", number(now.mean)}, {"std", number(now.std)}, {"unit", now.unit}};
 }
 
+Json told_of(const SpanHealth& health) {
+  Json told{{"seconds", health.duration}, {"shares", Json::object()}};
+  using enum FilterCondition;
+  for (const auto condition : {warming_up, consistent, suspicious, unusable, silent})
+    if (health.share(condition) > 0.0) told["shares"][to_string(condition)] = health.share(condition);
+  told["nis"] = number(health.mean_nis);
+  told["expected_nis"] = number(health.expected_nis);
+  auto& reasons = told["reasons"] = Json::array();
+  for (const auto& [code, subject, share] : health.reasons)
+    reasons.push_back({{"code", code}, {"subject", subject}, {"share", share}});
+  return told;
+}
+
 Json numbers(const PresentEstimate& now) { return {{"mean", number(now.mean)}, {"std", number(now.std)}}; }
 
 /// From the unit of the stream to SI.
@@ -151,6 +164,13 @@ void Watcher::tell_changes() {
   say_(MessageKind::trend, trend_line(changes->days().back(), *changes));
 }
 
+void Watcher::recall(const Say& say) const {
+  const auto* changes = monitor();
+  if (!changes) return;
+  for (const auto& alarm : changes->alarms()) say(MessageKind::alarm, alarm_line(alarm, *changes, origin()));
+  for (const auto& day : changes->days()) say(MessageKind::trend, trend_line(day, *changes));
+}
+
 void Watcher::tell() {
   const auto& log = loop().log();
   Json line;
@@ -160,6 +180,9 @@ void Watcher::tell() {
   auto& reasons = line["reasons"] = Json::array();
   for (const auto& reason : loop().verdict().reasons())
     reasons.push_back({{"code", reason.code}, {"subject", reason.subject}, {"text", reason.text}});
+  line["health"] = {{"minute", told_of(loop().health(HealthSpan::minute))},
+                    {"hour", told_of(loop().health(HealthSpan::hour))},
+                    {"day", told_of(loop().health(HealthSpan::day))}};
   auto& parameters = line["parameters"] = Json::object();
   for (std::size_t i = 0; i < loop().unknowns(); ++i) {
     const auto now = loop().parameter(i);

@@ -36,6 +36,8 @@ public:
   void take(std::string_view line);
   /// A line of estimates where the filter stands.
   void tell();
+  /// The lines of the alarms, the latest ones, and of the days of the trend that have been.
+  void recall(const Say& say) const;
 
   [[nodiscard]] std::int64_t lines() const { return lines_; }  ///< taken
   /// Bytes of the log that the state has seen.

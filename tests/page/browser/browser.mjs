@@ -13,19 +13,21 @@ const flags = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-ru
 
 export const launch = (more = []) => chromium.launch({executablePath: process.env.CHROMIUM, args: [...flags, ...more]});
 
-// Opens a page; `page.complaints` collects errors and warnings of its scripts.
-export async function open(browser, name, options = {}) {
+// Opens a page of the folder, or the one at an `address`; `page.complaints` collects errors and warnings of its scripts.
+export async function open(browser, name, {hash = "", address = "", ...options} = {}) {
   const page = await browser.newPage({viewport: {width: 1400, height: 1000}, reducedMotion: "reduce", ...options});
   page.complaints = [];
+  const isOut = text => address && text.includes("ERR_CONNECTION_REFUSED");  // the server of the address has ended
   const onSpeed = text => text.includes("GL Driver Message") || text.startsWith("Canvas2D: Multiple readback");  // of tests
   page.on("console", message => {
-    if (["error", "warning"].includes(message.type()) && !onSpeed(message.text())) page.complaints.push(message.text());
+    if (["error", "warning"].includes(message.type()) && !onSpeed(message.text()) && !isOut(message.text())) page.complaints.push(message.text());
   });
   page.on("pageerror", error => page.complaints.push(error.stack));
   page.on("request", request => {
-    if (!/^(file|data|blob):/.test(request.url())) page.complaints.push(`asked for ${request.url()}`);
+    const own = address && request.url().startsWith(address);
+    if (!own && !/^(file|data|blob):/.test(request.url())) page.complaints.push(`asked for ${request.url()}`);
   });
-  await page.goto(pathToFileURL(join(process.env.PAGES, name)) + (options.hash || ""));
+  await page.goto(address || pathToFileURL(join(process.env.PAGES, name)) + hash);
   return page;
 }
 

@@ -26,6 +26,14 @@ export class ChartGroup {
     if (zoomed) this.zoomAll([view], zoomed.view.x);
   }
 
+  // A chart that leaves the page.
+  remove(view) {
+    this.views.splice(this.views.indexOf(view), 1);
+    this.sight.unobserve(view.canvas);
+    this.room.unobserve(view.canvas);
+    view.plot.destroy();
+  }
+
   viewOf(canvas) { return this.views.find(view => view.canvas === canvas); }
 
   // The charts over the same abscissa, itself included.

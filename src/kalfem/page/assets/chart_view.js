@@ -142,6 +142,12 @@ export class ChartView {
     else this.stale = true;
   }
 
+  // Draws what has come to the lists of its data since; a view that was zoomed stays.
+  renew() {
+    this.plot.setData(plotRows(this.data, this.curves), false);
+    this.setView(this.view.zoomed ? this.view : this.firstView());
+  }
+
   // Offers the views that are not on show: the first one, everything, or both after a zoom.
   offerViews() {
     const {base, zoomed} = this.view;

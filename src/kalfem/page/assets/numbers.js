@@ -17,17 +17,29 @@ export function axisExponent(scale) {
   return 3 * Math.floor(Math.log10(size) / 3);
 }
 
-export function powerOfTen(exponent) {
-  const raised = {"-": "\u207b", 0: "\u2070", 1: "\u00b9", 2: "\u00b2", 3: "\u00b3"};
-  const digit = c => raised[c] || String.fromCharCode(0x2070 + Number(c));
-  return "\u00d710" + [...String(exponent)].map(digit).join("");
-}
+const raised = {"-": "\u207b", 0: "\u2070", 1: "\u00b9", 2: "\u00b2", 3: "\u00b3"};
+const superscript = text => [...text].map(c => raised[c] || String.fromCharCode(0x2070 + Number(c))).join("");
+
+// Text with the signs of print: "\u22120.3 m/s\u00b2" for "-0.3 m/s^2".
+export const typeset = text =>
+    text.replace(/\^(-?\d+)/g, (all, power) => superscript(power)).replace(/(^|[\s(])-(?=\d)/g, "$1\u2212");
+
+export const powerOfTen = exponent => `\u00d710${superscript(String(exponent))}`;
 
 // Values as an axis shows them, divided by its power of ten; `join` puts them into words.
 export function inUnitsOf(scale, values, join) {
   const exponent = axisExponent(scale);
   const text = join(...values.map(value => formatted(value == null ? null : value / 10 ** exponent)));
   return exponent ? `${text} ${powerOfTen(exponent)}` : text;
+}
+
+// A value with the half-width of its band, both to the second digit of the latter: "2.977 \u00b1 0.045 \u00d710\u2076".
+export function withBand(value, half) {
+  if (value == null || !(half > 0)) return formatted(value);
+  const exponent = axisExponent({min: value, max: value}), factor = 10 ** exponent;
+  const digits = Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(half / factor))));
+  const text = `${withMinus((value / factor).toFixed(digits))} \u00b1 ${(half / factor).toFixed(digits)}`;
+  return exponent ? `(${text}) ${powerOfTen(exponent)}` : text;
 }
 
 // Lowest and highest value of some lists, whose gaps are null; null where there is none.

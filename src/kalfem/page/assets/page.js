@@ -5,9 +5,10 @@ import {ChartGroup} from "./chart_group.js";
 import {ChartView, zoomHint} from "./chart_view.js";
 import {followLinksToMoments} from "./moments.js";
 import {whenUnfolded} from "./folds.js";
-import {make, prefersDark} from "./dom.js";
+import {make} from "./dom.js";
 import {markContents, openContentsBeside} from "./contents.js";
 import {offerCopies} from "./copy.js";
+import {redrawWhenNeeded} from "./redraw.js";
 import {count, countResources, startTally} from "./tally.js";
 
 startTally();
@@ -17,7 +18,7 @@ const group = new ChartGroup();
 drawCharts();
 addZoomLine();
 followLinksToMoments(group);
-redrawWhenNeeded();
+redrawWhenNeeded(group);
 markContents();
 countResources();
 
@@ -49,14 +50,4 @@ function addZoomLine() {
     line.append(make("label", {}, together, "Zoom together"));
   }
   first.figure.closest(".items").before(line);
-}
-
-function redrawWhenNeeded() {
-  const rebuild = () => group.views.forEach(view => view.build());
-  prefersDark.addEventListener("change", rebuild);
-  addEventListener("beforeprint", () => {
-    document.documentElement.dataset.printing = "";
-    group.views.forEach(view => view.buildForPrint());
-  });
-  addEventListener("afterprint", () => { delete document.documentElement.dataset.printing; rebuild(); });
 }
