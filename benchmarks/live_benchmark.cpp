@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // `kalfem watch` from outside: how long after a block the estimate is there, by MQTT, beside the broker's own echo; and
 // how many structures one process serves. Usage: live_benchmark KALFEM [seconds] [structures]
+// with 0 for what is not to be measured
 #include <mosquitto.h>
 
 #include <algorithm>
@@ -34,6 +35,7 @@ public:
     mosquitto_message_callback_set(client_, [](mosquitto*, void* self, const mosquitto_message* message) {
       static_cast<Listener*>(self)->hear(*message);
     });
+    mosquitto_int_option(client_, MOSQ_OPT_TCP_NODELAY, 1);
     wait_for([&] { return mosquitto_connect(client_, "127.0.0.1", port, 60) == MOSQ_ERR_SUCCESS; }, "the broker");
     mosquitto_loop_start(client_);
     for (const auto& topic : topics) mosquitto_subscribe(client_, nullptr, topic.c_str(), 1);
@@ -81,12 +83,12 @@ void measure_latency(const std::string& kalfem, int masses, double duration) {
   constexpr std::size_t warm_up = 200;  // blocks
   const Scratch folder;
   const int port = free_port();
-  write(folder / "broker.conf", "listener " + std::to_string(port) + " 127.0.0.1\nallow_anonymous true\nuser root\n");
-  write(folder / "drive.yaml", chain(masses, rate, "tolerance: 1e-3, duration: " + std::to_string(duration) + " s", ""));
-  write(folder / "watch.yaml",
-        chain(masses, rate, "",
-              "horizon: 0.1 s, every: 10 ms, mqtt: {broker: 127.0.0.1, port: " + std::to_string(port) +
-                  ", topics: [in], publish: out}"));
+  write(folder / "broker.conf", "listener " + std::to_string(port) + " 127.0.0.1\nallow_anonymous true\nset_tcp_nodelay true\nuser root\n");
+  write(folder / "drive.yaml",
+        chain(masses, rate, "tolerance: 1e-3, duration: " + std::to_string(duration) + " s", ""));
+  write(folder / "watch.yaml", chain(masses, rate, "",
+                                     "horizon: 0.1 s, every: 10 ms, mqtt: {broker: 127.0.0.1, port: " +
+                                         std::to_string(port) + ", topics: [in], publish: out}"));
   const auto lines = lines_of(kalfem + " play " + (folder / "drive.yaml").string() + " --speed 0 --block 10", folder);
   const Started broker("mosquitto -c " + (folder / "broker.conf").string() + " >" + (folder / "broker.txt").string() +
                        " 2>&1");
@@ -97,8 +99,8 @@ void measure_latency(const std::string& kalfem, int masses, double duration) {
   std::vector<Clock::time_point> sent, echoed;
   const auto begin = Clock::now();
   const auto at = [&](double blocks) {
-    std::this_thread::sleep_until(begin + std::chrono::duration_cast<Clock::duration>(
-                                              std::chrono::duration<double>(blocks * block / rate)));
+    std::this_thread::sleep_until(
+        begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(blocks * block / rate)));
   };
   for (std::size_t k = 0; k < lines.size(); ++k) {
     at(static_cast<double>(k));
@@ -183,8 +185,8 @@ void count_structures(const std::string& kalfem, int structures, double duration
     for (std::size_t i = 0; i < senders.size(); ++i) {  // spread over the time of a block
       const double due = (static_cast<double>(k) + static_cast<double>(i) / double(senders.size())) * block / rate;
       if (i % 10 == 0)
-        std::this_thread::sleep_until(
-            begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(due)));
+        std::this_thread::sleep_until(begin +
+                                      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(due)));
       static_cast<void>(::write(senders[i], line.data(), line.size()));
     }
     latest = std::max(latest, std::chrono::duration<double>(Clock::now() - begin).count() -
@@ -216,8 +218,9 @@ int main(int count, char** arguments) try {
   const double duration = count > 2 ? std::atof(arguments[2]) : 60.0;
   const int structures = count > 3 ? std::atoi(arguments[3]) : 500;
   mosquitto_lib_init();
-  for (const int masses : {10, 69}) measure_latency(arguments[1], masses, duration);
-  count_structures(arguments[1], structures, std::min(duration, 20.0));
+  if (duration > 0.0)
+    for (const int masses : {10, 69}) measure_latency(arguments[1], masses, duration);
+  if (structures > 0) count_structures(arguments[1], structures, 20.0);
   mosquitto_lib_cleanup();
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());

@@ -146,8 +146,8 @@ excitation:
                        : "file: live, channel: road}\nlive: {sample_rate: " + sampling + ", " + live + R"(}
 estimate:
   unknown:
-    suspension.mu_k1: {initial: 10 N, std: 50 %, random_walk: 0.1 N/sqrt(s)}
-    suspension.mu_c1: {initial: 16 N, std: 50 %, random_walk: 0.1 N/sqrt(s)}
+    suspension.mu_k1: {initial: 10 N, std: 50 %, random_walk: 0.1 N}
+    suspension.mu_c1: {initial: 16 N, std: 50 %, random_walk: 0.1 N}
 )");
 }
 

@@ -56,7 +56,7 @@ void time_study(int substeps, int order) {
   const FilterProblem problem = make_filter_problem(s, sample_rate, options);
   const RecordEstimate start;
   const RecordEstimateOptions monitored;
-  RunsBeside runs(problem.problem, problem.setup, record, start, monitored);
+  RunsBeside runs(problem.problem, problem.setup, record, start, monitored, {});
   const auto& run = runs.filter();
   const auto pass = [&](bool keep_gains, bool deviations = false) {
     return estimate(*run.choice.augmented_model, run.input,

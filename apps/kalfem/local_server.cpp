@@ -20,12 +20,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int poll_interval = 100;                      ///< [ms]
-constexpr std::size_t longest_request = 8192;           ///< bytes
-constexpr std::size_t piece = 1 << 20;                  ///< of messages, that are on their way to a client [bytes]
-constexpr std::size_t most_clients = 64;                ///< at once; others wait
-constexpr auto patience = std::chrono::seconds(2);      ///< with a request that is not whole
-constexpr auto sign_of_life = std::chrono::seconds(15); ///< to a page, where there is no message
+constexpr int poll_interval = 100;                       ///< [ms]
+constexpr std::size_t longest_request = 8192;            ///< bytes
+constexpr std::size_t piece = 1 << 20;                   ///< of messages, that are on their way to a client [bytes]
+constexpr std::size_t most_clients = 64;                 ///< at once; others wait
+constexpr auto patience = std::chrono::seconds(2);       ///< with a request that is not whole
+constexpr auto sign_of_life = std::chrono::seconds(15);  ///< to a page, where there is no message
 
 bool asks(const std::string& request, const std::string& path) {
   return request.starts_with("GET " + path + " ") || request.starts_with("GET " + path + "?");
@@ -65,7 +65,9 @@ public:
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
 
-  [[nodiscard]] pollfd question() const { return {descriptor_, short(waiting_.empty() ? POLLIN : POLLIN | POLLOUT), 0}; }
+  [[nodiscard]] pollfd question() const {
+    return {descriptor_, short(waiting_.empty() ? POLLIN : POLLIN | POLLOUT), 0};
+  }
 
   /// What can be done without waiting; false once it is done with or the client has gone.
   bool work(const LocalServer& server) {

@@ -12,11 +12,12 @@ namespace kalfem::command {
 
 /// Tells what is watched by HTTP at a TCP port of this computer (127.0.0.1), from a thread of its own: GET /metrics for
 /// Prometheus, GET /health with the status 200, or 503 where a case is not healthy; with messages also the page that
-/// shows them (/), and the messages as they come (/events). It only tells: what a client sends changes nothing. The page
-/// is given to clients that name this computer as their host, so that no other site can read it through a browser.
+/// shows them (/), and the messages as they come (/events). It only tells: what a client sends changes nothing. The
+/// page is given to clients that name this computer as their host, so that no other site can read it through a browser.
 class LocalServer {
 public:
-  /// `cases`: asked from the server's thread. `messages`: null for no page. Throws InvalidInput where the port is taken.
+  /// `cases`: asked from the server's thread. `messages`: null for no page. Throws InvalidInput where the port is
+  /// taken.
   LocalServer(int port, std::function<std::vector<WatchedHealth>()> cases, const MessageHistory* messages);
   ~LocalServer();
   LocalServer(const LocalServer&) = delete;

@@ -62,6 +62,7 @@ public:
                            "");
       topics_.push_back({filter});
     }
+    mosquitto_int_option(client_.get(), MOSQ_OPT_TCP_NODELAY, 1);  // otherwise small messages wait for acknowledgements
     identify();
     if (!will_.empty()) mosquitto_will_set(client_.get(), will_.c_str(), 7, "offline", once_at_least, true);
     mosquitto_connect_callback_set(

@@ -139,8 +139,10 @@ private:
           options, [this, name](MessageKind kind, const std::string& line) { output_.say(kind, line, name); },
           [this, name](const std::string& text) { output_.tell(text, name); });
       if (entry->watched->plan().metrics || entry->watched->plan().page)
-        output_.tell("live.metrics and live.page are of a case that is watched alone; of a folder, give --metrics or "
-                     "--page", name);
+        output_.tell(
+            "live.metrics and live.page are of a case that is watched alone; of a folder, give --metrics or "
+            "--page",
+            name);
     } catch (const InvalidInput& error) {
       fail(*entry, error.what());
     }

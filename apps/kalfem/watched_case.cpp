@@ -46,7 +46,8 @@ StreamSource::State MqttSource::read(int milliseconds, std::string& bytes) {
   for (const auto& [topic, payload] : broker_.take()) try {
       if (const auto line = lines_.line_of(topic, payload)) bytes += *line + "\n";
     } catch (const InvalidInput& error) {
-      if (told_.size() < most_told && told_.insert(topic).second) tell_(std::string(error.what()) + "; such messages are left out");
+      if (told_.size() < most_told && told_.insert(topic).second)
+        tell_(std::string(error.what()) + "; such messages are left out");
     }
   if (lines_.lost() > 0 && !std::exchange(told_lost_, true))
     tell_("the counters of the blocks miss some: they were lost on the way");

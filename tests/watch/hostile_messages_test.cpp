@@ -51,8 +51,8 @@ private:
   std::size_t below(std::size_t bound) { return std::uniform_int_distribution<std::size_t>(0, bound - 1)(random_); }
 
   std::string number() {
-    const std::vector<std::string> odd{"1e308", "-1e308", "1e999", "NaN",  "null",     "\"1\"",
-                                       "1e-320", "-0",    "true",  "{}",   "[1, [2]]", "18446744073709551616"};
+    const std::vector<std::string> odd{"1e308",  "-1e308", "1e999", "NaN", "null",     "\"1\"",
+                                       "1e-320", "-0",     "true",  "{}",  "[1, [2]]", "18446744073709551616"};
     if (below(4) == 0) return odd[below(odd.size())];
     return std::to_string(std::normal_distribution<double>(0.0, 10.0)(random_));
   }

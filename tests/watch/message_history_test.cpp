@@ -17,7 +17,8 @@ TEST(MessageHistory, TellsWhatHasNotBeenSeen) {
             "data: {\"case\":\"a \\\"b\\\"\\n\",\"kind\":\"alarm\",\"line\":{\"alarm\":{}}}\n\n");
   EXPECT_EQ(history.events_after(seen, 1000), "");
   history.add(MessageKind::trend, "tower", R"({"trend":{}})");
-  EXPECT_EQ(history.events_after(seen, 1000), "data: {\"case\":\"tower\",\"kind\":\"trend\",\"line\":{\"trend\":{}}}\n\n");
+  EXPECT_EQ(history.events_after(seen, 1000),
+            "data: {\"case\":\"tower\",\"kind\":\"trend\",\"line\":{\"trend\":{}}}\n\n");
 }
 
 TEST(MessageHistory, GivesPiecesOfAboutTheSizeAskedForAndNoMessageTwice) {

@@ -18,9 +18,9 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr double rate = 500.0, dt = 1.0 / rate;
-constexpr int block = 25;             ///< samples in a line
-constexpr double walk = 20.0;         ///< of the stiffness [N/m/sqrt(s)]
-constexpr double settling = 60.0;     ///< after a fault, until events count as false [s]
+constexpr int block = 25;          ///< samples in a line
+constexpr double walk = 20.0;      ///< of the stiffness [N/m/sqrt(s)]
+constexpr double settling = 60.0;  ///< after a fault, until events count as false [s]
 
 long steps() {
   const char* given = std::getenv("KALFEM_STEPS");
@@ -69,14 +69,10 @@ private:
     const double stroke = s[2] - s[0], speed = s[3] - s[1];
     const double strut = k1_ * stroke + 3e6 * stroke * stroke * stroke + 1200.0 * speed;
     const double tyre = 1.8e5 * (scale_ * s[4] - s[0]) + 200.0 * (scale_ * s[5] - s[1]);
-    return {s[1],
-            (strut + tyre) / 40.0,
-            s[3],
-            -strut / 300.0,
-            s[5],
-            omega * omega * (s[6] - s[4]) - 1.4 * omega * s[5],
-            s[7],
-            omega * omega * (noise - s[6]) - 1.4 * omega * s[7]};
+    return {s[1], (strut + tyre) / 40.0,
+            s[3], -strut / 300.0,
+            s[5], omega * omega * (s[6] - s[4]) - 1.4 * omega * s[5],
+            s[7], omega * omega * (noise - s[6]) - 1.4 * omega * s[7]};
   }
   void move() {
     constexpr int parts = 5;
@@ -101,10 +97,11 @@ private:
 };
 
 enum class Fault { none, dead, offset, spikes, saturated, missing, gap, late, too_late, ahead, behind };
-constexpr std::array faults{Fault::dead,    Fault::offset, Fault::spikes,   Fault::saturated, Fault::missing,
-                            Fault::gap,     Fault::late,   Fault::too_late, Fault::ahead,     Fault::behind};
-constexpr std::array<const char*, 11> words{"none", "dead", "offset", "spikes",   "saturated", "missing",
-                                            "gap",  "late", "late beyond the horizon", "clock ahead", "clock behind"};
+constexpr std::array faults{Fault::dead, Fault::offset, Fault::spikes,   Fault::saturated, Fault::missing,
+                            Fault::gap,  Fault::late,   Fault::too_late, Fault::ahead,     Fault::behind};
+constexpr std::array<const char*, 11> words{
+    "none",        "dead",        "offset", "spikes", "saturated", "missing", "gap", "late", "late beyond the horizon",
+    "clock ahead", "clock behind"};
 
 struct Episode {
   Fault fault = Fault::none;
@@ -126,7 +123,11 @@ public:
     const ScratchFolder folder("watch_soak");
     watcher_ = std::make_unique<Watcher>(
         make_live_plan(load_study(written(folder / "live.yaml", text))),
-        [this](MessageKind, const std::string& line) { hear(Json::parse(line)); }, [](const std::string&) {});
+        [this](MessageKind, const std::string& line) { hear(Json::parse(line)); },
+        [this](const std::string& text) {
+          ++complaints;
+          if (complaints < 20) std::printf("  %s\n", text.c_str());
+        });
   }
 
   void drive(long samples) {
@@ -138,7 +139,7 @@ public:
     watcher_->tell();
   }
 
-  long minutes = 0, held = 0, consistent = 0, false_events = 0;
+  long complaints = 0, minutes = 0, held = 0, consistent = 0, false_events = 0;
   std::vector<std::string> false_texts;
   std::deque<Episode> episodes;
   [[nodiscard]] double growth() const { return resident_megabytes() - settled_; }
@@ -147,11 +148,13 @@ public:
 private:
   void send_block() {
     begin_and_end_faults();
-    const auto fault = with_faults_ && !episodes.empty() && clock_ < episodes.back().end ? episodes.back().fault : Fault::none;
+    const auto fault =
+        with_faults_ && !episodes.empty() && clock_ < episodes.back().end ? episodes.back().fault : Fault::none;
     std::array<std::array<double, block>, 3> values{};
     for (int i = 0; i < block; ++i) {
       const auto sample = car_.next();
-      for (std::size_t c = 0; c < 3; ++c) values[c][static_cast<std::size_t>(i)] = std::array{sample.wheel, sample.body, sample.road}[c];
+      for (std::size_t c = 0; c < 3; ++c)
+        values[c][static_cast<std::size_t>(i)] = std::array{sample.wheel, sample.body, sample.road}[c];
     }
     const double time = clock_;
     clock_ += block * dt;
@@ -161,8 +164,8 @@ private:
     Json line{{"t", time}, {"dt", dt}, {"road", values[2]}};
     for (std::size_t c = 0; c < 2; ++c) {
       const std::string channel = c == 0 ? "wheel" : "body";
-      line[channel] = fault != Fault::none && episodes.back().channel == channel ? spoilt(values[c], fault)
-                                                                              : Json(values[c]);
+      line[channel] =
+          fault != Fault::none && episodes.back().channel == channel ? spoilt(values[c], fault) : Json(values[c]);
     }
     if (fault == Fault::late || fault == Fault::too_late) {
       waiting_.push_back(line.dump());
@@ -190,7 +193,9 @@ private:
       waiting_.clear();
     }
     if (!with_faults_ || clock_ < next_fault_) return;
-    const auto uniform = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); };
+    const auto uniform = [&](double low, double high) {
+      return std::uniform_real_distribution<double>(low, high)(random_);
+    };
     Episode episode{.fault = faults[std::uniform_int_distribution<std::size_t>(0, faults.size() - 1)(random_)],
                     .channel = uniform(0.0, 1.0) < 0.5 ? "wheel" : "body",
                     .begin = clock_};
@@ -226,8 +231,8 @@ private:
     const double time = event["t"];
     bool explained = false;
     for (auto& episode : episodes) {
-      const bool its_channel = event["channel"] == episode.channel || event["channel"] == "" ||
-                               episode.fault > Fault::missing;
+      const bool its_channel =
+          event["channel"] == episode.channel || event["channel"] == "" || episode.fault > Fault::missing;
       if (time < episode.begin - 0.1 || time > episode.end + settling || !its_channel) continue;
       explained = true;
       if (time <= episode.end + 1.0) episode.named = true;

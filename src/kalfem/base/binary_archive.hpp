@@ -20,6 +20,9 @@ struct DamagedArchive {};
 /// Appends values to a text, bit by bit as the processor holds them: for files that stay on one machine.
 class ArchiveWriter {
 public:
+  /// `about`: bytes that are expected.
+  explicit ArchiveWriter(std::size_t about = 0) { bytes_.reserve(about); }
+
   template <class T>
   requires std::is_arithmetic_v<T> || std::is_enum_v<T>
   void operator()(const T& value) { bytes_.append(reinterpret_cast<const char*>(&value), sizeof value); }

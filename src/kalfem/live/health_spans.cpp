@@ -8,9 +8,9 @@
 namespace kalfem {
 namespace {
 
-constexpr double between_looks = 1.0;      ///< [s]
-constexpr std::size_t most_reasons = 50;   ///< of a bin; further ones are left out
-constexpr long per_bin = 60;               ///< seconds of a minute, minutes of an hour
+constexpr double between_looks = 1.0;     ///< [s]
+constexpr std::size_t most_reasons = 50;  ///< of a bin; further ones are left out
+constexpr long per_bin = 60;              ///< seconds of a minute, minutes of an hour
 constexpr long hours_of_a_day = 24;
 
 /// A bin at the end of others, of which the latest `most` are kept.
@@ -39,8 +39,7 @@ void HealthSpans::Bin::add(const Bin& other) {
   for (const auto& seen : other.reasons) see(seen.code, seen.subject, seen.looks);
 }
 
-HealthSpans::HealthSpans(double step)
-    : step_(step), per_look_(std::max(1L, std::lround(between_looks / step))) {}
+HealthSpans::HealthSpans(double step) : step_(step), per_look_(std::max(1L, std::lround(between_looks / step))) {}
 
 bool HealthSpans::add(double nis, long channels) {
   if (channels > 0 && std::isfinite(nis)) {

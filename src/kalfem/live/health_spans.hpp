@@ -61,10 +61,10 @@ private:
   }
 
   double step_;
-  long per_look_;                             ///< samples
-  long samples_ = 0;                          ///< since the last look
-  Bin second_, minute_, hour_;                ///< that are not over
-  std::deque<Bin> seconds_, minutes_, hours_; ///< the latest 60, 60 and 24
+  long per_look_;                              ///< samples
+  long samples_ = 0;                           ///< since the last look
+  Bin second_, minute_, hour_;                 ///< that are not over
+  std::deque<Bin> seconds_, minutes_, hours_;  ///< the latest 60, 60 and 24
 };
 
 }  // namespace kalfem

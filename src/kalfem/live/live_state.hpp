@@ -61,8 +61,8 @@ struct ReasonShare {
 
 /// How a filter has fared over a span, by one look a second.
 struct SpanHealth {
-  double duration = 0.0;            ///< of the span as far as the filter has been there [s]
-  std::array<double, 5> shares = {};  ///< of the time, by FilterCondition
+  double duration = 0.0;                      ///< of the span as far as the filter has been there [s]
+  std::array<double, 5> shares = {};          ///< of the time, by FilterCondition
   double mean_nis = 0.0, expected_nis = 0.0;  ///< not a number where no sensor gave a value
   std::vector<ReasonShare> reasons = {};      ///< the largest share first
 

@@ -19,8 +19,8 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
-constexpr long between_looks = 128;      ///< samples, at how far unknowns have walked
-constexpr double beyond_the_prior = 1.1; ///< deviations of the prior, from where on an unknown is held
+constexpr long between_looks = 128;       ///< samples, at how far unknowns have walked
+constexpr double beyond_the_prior = 1.1;  ///< deviations of the prior, from where on an unknown is held
 
 /// A record of one missing sample, from which the filter's model is made.
 Record no_record(double sample_rate, const std::vector<Sensor>& sensors) {

@@ -117,7 +117,7 @@ private:
   std::unique_ptr<FilterSetup> setup_;
   std::vector<Eigen::Index> linear_unknowns_;
   LinearEstimate linearised_about_;
-  bool relinearised_ = false;  ///< whether the model of `setup_` is not `model_` itself
+  bool relinearised_ = false;        ///< whether the model of `setup_` is not `model_` itself
   Eigen::VectorXd prior_deviation_;  ///< of the unknowns, as states
   Eigen::MatrixXd noise_;
   Eigen::VectorXd inputs_;  ///< at the present sample

@@ -31,6 +31,10 @@ public:
   [[nodiscard]] const OnlineSteps& steps() const { return steps_; }
   [[nodiscard]] const std::vector<std::string>& channels() const { return channels_; }
   [[nodiscard]] Eigen::Index sensors() const { return sensors_; }  ///< so many channels come first
+  /// Time of the latest sample that any channel has given [s]; empty before the first.
+  [[nodiscard]] std::optional<double> newest() const {
+    return newest_ < 0 ? std::nullopt : std::optional(static_cast<double>(newest_) / rate_);
+  }
   [[nodiscard]] Eigen::Index samples() const { return next_; }     ///< taken so far
   [[nodiscard]] Eigen::Index dropped() const { return dropped_; }  ///< values that came behind the horizon, or twice
 

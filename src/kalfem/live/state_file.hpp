@@ -22,6 +22,6 @@ void write_state_file(const std::filesystem::path& file, const std::string& fing
 /// Throws InvalidInput where there is no such file, where it is damaged, and where it belongs to something else.
 void read_state_file(const std::filesystem::path& file, const std::string& fingerprint, Resumable& state);
 
-inline constexpr std::string_view state_magic = "kalfem live state 1\n";
+inline constexpr std::string_view state_magic = "kalfem live state 2\n";
 
 }  // namespace kalfem

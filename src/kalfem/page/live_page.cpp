@@ -19,7 +19,8 @@ std::string live_page() {
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
          "<meta name=\"color-scheme\" content=\"light dark\">\n"
          "<meta http-equiv=\"Content-Security-Policy\" content=\"" +
-         std::string(content_policy) + "\">\n<title>kalfem watch</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>" +
+         std::string(content_policy) +
+         "\">\n<title>kalfem watch</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>" +
          std::string(assets::page_style()) +
          "</style>\n</head>\n<body>\n<div id=\"live\"></div>\n"
          "<noscript><p class=\"note\">This page needs JavaScript; /metrics and /health do not.</p></noscript>\n"

@@ -216,8 +216,12 @@ LivePlan make_live_plan(const Study& study) {
                              "to watch is to read samples as they come",
                              "put `live` in the place of its record; kalfem schema live lists the keys"});
   const d::Live& live = given.live->value;
-  LivePlan plan{
-      .start = live.start, .every = live.every, .state = live.state, .port = live.port, .metrics = live.metrics, .page = live.page};
+  LivePlan plan{.start = live.start,
+                .every = live.every,
+                .state = live.state,
+                .port = live.port,
+                .metrics = live.metrics,
+                .page = live.page};
   if (live.mqtt) {
     const d::Mqtt& mqtt = live.mqtt->value;
     plan.mqtt = {.broker = mqtt.broker,

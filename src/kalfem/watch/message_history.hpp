@@ -10,8 +10,8 @@
 
 namespace kalfem {
 
-/// The latest messages of all cases that are watched, for pages that follow them: any thread adds, any thread reads. The
-/// oldest are dropped where all together are longer than `most_bytes`, so a page that reads slowly misses some.
+/// The latest messages of all cases that are watched, for pages that follow them: any thread adds, any thread reads.
+/// The oldest are dropped where all together are longer than `most_bytes`, so a page that reads slowly misses some.
 class MessageHistory {
 public:
   explicit MessageHistory(std::size_t most_bytes = 8'000'000) : most_bytes_(most_bytes) {}

@@ -18,8 +18,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view magic = "KFB1";
 constexpr std::size_t header = 4 + 4 + 8 + 8;  ///< bytes: magic, counter, t0, dt
-constexpr std::size_t most_topics = 10'000;     ///< whose counters are kept
-constexpr int deepest = 2;                      ///< level of JSON: an object of lists
+constexpr std::size_t most_topics = 10'000;    ///< whose counters are kept
+constexpr int deepest = 2;                     ///< level of JSON: an object of lists
 
 static_assert(std::endian::native == std::endian::little, "binary blocks are read as they stand");
 

@@ -55,6 +55,7 @@ Watcher::Watcher(LivePlan plan, Say say, std::function<void(const std::string&)>
       say_(std::move(say)),
       complain_(std::move(complain)),
       queue_(plan_.problem, plan_.inputs, plan_.options),
+      clock_(1.0 / loop().step(), plan_.channels.size(), plan_.options.horizon, *plan_.options.longest_gap),
       every_(std::max(1L, std::lround(plan_.every / loop().step()))) {
   if (plan_.start) begin_at(*plan_.start);
   queue_.steps().after_each_sample([this] { after_sample(); });
@@ -132,18 +133,34 @@ void Watcher::take_block(const StreamBlock& block, const LiveChannel& channel) {
   const auto factor = known_factor(block, channel);
   if (!factor) return;
   const auto& [gain, offset, delay, drift] = channel.calibration;  // a live case has no drift
-  const double time = block.time - delay;
-  if (!origin_) begin_at(time);
+  const double begin = block.time - delay;
+  if (!origin_) begin_at(begin);
+  const auto time = placed(begin, std::ssize(block.values), channel);
+  if (!time) return;
   VectorXd values(std::ssize(block.values));
   for (Index i = 0; i < values.size(); ++i)
     values[i] = (block.values[static_cast<std::size_t>(i)] * *factor - offset) / gain;
   if (!channel.is_input) {
-    queue_.push(channel.name, time - *origin_, values);
+    queue_.push(channel.name, *time, values);
     return;
   }
   for (Index i = 0; i < values.size(); ++i)  // a missing sample of an input is left out: the last value is held
     if (std::isfinite(values[i]))
-      queue_.push(channel.name, time - *origin_ + static_cast<double>(i) / rate, values.segment(i, 1));
+      queue_.push(channel.name, *time + static_cast<double>(i) / rate, values.segment(i, 1));
+}
+
+/// Time of the filter of a block that begins at a time of the stream; nothing where it cannot be used.
+std::optional<double> Watcher::placed(double time, std::ptrdiff_t count, const LiveChannel& channel) {
+  constexpr std::size_t most_waiting = 1000;
+  const auto number = static_cast<std::size_t>(&channel - plan_.channels.data());
+  const auto found = clock_.place(number, time - *origin_, count, queue_.newest());
+  if (found.jump != 0.0) begin_at(*origin_ + found.jump);
+  if (!found.words.empty()) {
+    complain_("line " + std::to_string(lines_) + ": '" + channel.column + "': " + found.words);
+    if (clock_events_.size() < most_waiting) clock_events_.push_back({loop().time(), channel.name, found.words});
+  }
+  if (!found.time) ++bad_lines_;
+  return found.time;
 }
 
 void Watcher::after_sample() {
@@ -206,6 +223,9 @@ void Watcher::tell() {
                       {"channel", event->channel},
                       {"text", event->text}});
   told_events_ = log.total();
+  for (const auto& event : std::exchange(clock_events_, {}))
+    events.push_back(
+        {{"t", number(origin() + event.time)}, {"kind", "clock"}, {"channel", event.channel}, {"text", event.text}});
   if (const auto* changes = monitor()) {
     line["changes"] = changes_now(*changes, origin());
     line["reference"] = {{"windows", std::min<long>(changes->windows(), changes->options().reference)},
@@ -221,6 +241,12 @@ void Watcher::tell() {
 
 void Watcher::transfer(auto& self, auto& archive) {
   archive(self.origin_);
+  StreamClock::transfer(self.clock_, archive);
+  archive.each(self.clock_events_, [&](auto& event) {
+    archive(event.time);
+    archive(event.channel);
+    archive(event.text);
+  });
   archive(self.lines_);
   archive(self.logged_);
   archive(self.bad_lines_);

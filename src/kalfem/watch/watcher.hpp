@@ -12,6 +12,7 @@
 
 #include "kalfem/live/sample_queue.hpp"
 #include "kalfem/study/live_plan.hpp"
+#include "kalfem/watch/stream_clock.hpp"
 #include "kalfem/watch/stream_line.hpp"
 
 namespace kalfem {
@@ -62,7 +63,14 @@ private:
     double time = 0.0, value = 0.0;
   };
 
+  /// Something about the clock of a channel that the next line of estimates tells among the events.
+  struct ClockEvent {
+    double time = 0.0;  ///< of the filter [s]
+    std::string channel, text;
+  };
+
   void take_block(const StreamBlock& block, const LiveChannel& channel);
+  [[nodiscard]] std::optional<double> placed(double time, std::ptrdiff_t count, const LiveChannel& channel);
   void take_covariate(const StreamBlock& block, const LiveChannel& channel);
   [[nodiscard]] std::optional<double> known_factor(const StreamBlock& block, const LiveChannel& channel);
   void begin_at(double time);
@@ -77,7 +85,9 @@ private:
   std::function<void(const std::string&)> complain_;
   StreamLines reader_;
   SampleQueue queue_;
-  std::optional<double> origin_;  ///< time of the first sample [s]
+  StreamClock clock_;
+  std::vector<ClockEvent> clock_events_;  ///< that have not been told
+  std::optional<double> origin_;  ///< time of the first sample; after the clock has jumped, what its time would be [s]
   long every_;                    ///< samples between two lines of estimates
   std::int64_t lines_ = 0, logged_ = 0, bad_lines_ = 0;
   std::int64_t told_events_ = 0, told_alarms_ = 0;
