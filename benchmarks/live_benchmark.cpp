@@ -83,7 +83,8 @@ void measure_latency(const std::string& kalfem, int masses, double duration) {
   constexpr std::size_t warm_up = 200;  // blocks
   const Scratch folder;
   const int port = free_port();
-  write(folder / "broker.conf", "listener " + std::to_string(port) + " 127.0.0.1\nallow_anonymous true\nset_tcp_nodelay true\nuser root\n");
+  write(folder / "broker.conf",
+        "listener " + std::to_string(port) + " 127.0.0.1\nallow_anonymous true\nset_tcp_nodelay true\nuser root\n");
   write(folder / "drive.yaml",
         chain(masses, rate, "tolerance: 1e-3, duration: " + std::to_string(duration) + " s", ""));
   write(folder / "watch.yaml", chain(masses, rate, "",

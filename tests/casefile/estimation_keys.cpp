@@ -55,6 +55,8 @@ void transforms() {
 
 void drifts() {
   near(unknown_of("initial: 400, random_walk: 7 N/m").random_walk, 7.0);
+  near(unknown_of("initial: 400, random_walk: 7 N/m/sqrt(s)").random_walk, 7.0);
+  near(unknown_of("initial: 400, random_walk: 60 N/m/sqrt(min)").random_walk, 60.0 / std::sqrt(60.0));
   near(unknown_of("initial: 400, random_walk: 5 %").random_walk, 20.0);
 }
 

@@ -212,7 +212,7 @@ void unknown_inputs() {
   EXPECT_EQ(plain.process.order, 2);
   near(plain.process.correlation_time, 0.1);
   EXPECT_EQ(input("base_displacement: s.ground", "std: 2 mm").first.process.order, 3);
-  const auto [walk, of_walk] = input("force: s.b", "random_walk: 7 kN, std: 3 N");
+  const auto [walk, of_walk] = input("force: s.b", "random_walk: 7 kN/sqrt(s), std: 3 N");
   EXPECT_EQ(walk.process.rate(), 0.0);
   near(of_walk.process_noise.input[0], 7e3);
   near(of_walk.prior.input_deviation[0], 3.0);

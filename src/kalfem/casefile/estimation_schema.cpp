@@ -25,7 +25,7 @@ Schema<Unknown> unknown() {
               "transform of the parameter in the filter's state; default: logit if `bounds` is given, otherwise none")
           .optional("bounds", &Unknown::bounds, tuple<2>(quantity()), "lower and upper bound")
           .optional("random_walk", &Unknown::random_walk, value(),
-                    "random walk: standard deviation per square root of a second")
+                    "random walk: standard deviation per square root of a second, \"20 N\" or \"20 N/sqrt(s)\"")
           .optional("truth", &Unknown::truth, value(), "true value, if known; default: the simulated one")
           .optional("applies_to", &Unknown::applies_to, list(name()), "several parameters that share this value"));
 }

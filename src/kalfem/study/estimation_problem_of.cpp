@@ -175,7 +175,8 @@ private:
     unknown.transform = transform_of(given, unit, positive);
     check_start(given, unknown.transform, unit, unknown.initial);
     unknown.deviation = deviation_of(given, unit, unknown.initial);
-    unknown.random_walk = given.random_walk ? spread_about(*given.random_walk, unit, unknown.initial) : 0.0;
+    unknown.random_walk =
+        given.random_walk ? spread_about(walk_in(*given.random_walk, unit), unit, unknown.initial) : 0.0;
     if (study_.given.simulate) unknown.truth = unknown.targets.back().value;
     if (given.truth) unknown.truth = checked_number(*given.truth, unit);
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "kalfem/base/units.hpp"
+#include "kalfem/study/spread.hpp"
 #include "kalfem/yaml/bounds.hpp"
 
 namespace kalfem {
@@ -53,7 +54,7 @@ double spread(const d::Value& given, const std::string& unit, double initial) {
 MeasurementPrior prior_of(const d::Unknown& given, const std::string& unit) {
   MeasurementPrior prior{.initial = checked_number(given.initial, unit), .applies_to = shared_by(given)};
   if (given.std) prior.deviation = spread(*given.std, unit, prior.initial);
-  if (given.random_walk) prior.random_walk = spread(*given.random_walk, unit, prior.initial);
+  if (given.random_walk) prior.random_walk = spread(walk_in(*given.random_walk, unit), unit, prior.initial);
   if (given.truth) prior.truth = checked_number(*given.truth, unit);
   return prior;
 }

@@ -18,4 +18,11 @@ double spread_about(const Located<Quantity>& given, const std::string& unit, dou
   return given.value.value * std::abs(about);
 }
 
+Located<Quantity> walk_in(Located<Quantity> given, const std::string& unit) {
+  const std::string number = unit.empty() || unit == "-" ? "1" : unit;
+  if (!given.value.bare && given.value.dimension == parse_unit(number + "/sqrt(s)").dimension)
+    given.value.dimension = parse_unit(number).dimension;
+  return given;
+}
+
 }  // namespace kalfem

@@ -12,4 +12,8 @@ namespace kalfem {
 /// with its place, where it is negative or a percentage of 0.
 double spread_about(const Located<Quantity>& given, const std::string& unit, double about);
 
+/// The number of a random walk, which is per square root of a second: in `unit` alone where the case gives it with
+/// that, "20 N/m/sqrt(s)", and as it stands otherwise.
+Located<Quantity> walk_in(Located<Quantity> given, const std::string& unit);
+
 }  // namespace kalfem

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "kalfem/study/spread.hpp"
 #include "kalfem/yaml/bounds.hpp"
 
 namespace kalfem {
@@ -28,7 +29,7 @@ UnknownInput read(const d::Excitation& given, const InputDescription& input, dou
   if (assumed.std) unknown.deviation = checked_number(*assumed.std, unknown.unit, Bounds::nonnegative());
   if (assumed.random_walk) {
     unknown.process = {.order = 1, .correlation_time = std::numeric_limits<double>::infinity()};
-    unknown.density = checked_number(*assumed.random_walk, unknown.unit, Bounds::positive());
+    unknown.density = checked_number(walk_in(*assumed.random_walk, unknown.unit), unknown.unit, Bounds::positive());
     return unknown;
   }
   if (!(unknown.deviation > 0.0))
