@@ -20,12 +20,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int poll_interval = 100;                       ///< [ms]
-constexpr std::size_t longest_request = 8192;            ///< bytes
-constexpr std::size_t piece = 1 << 20;                   ///< of messages, that are on their way to a client [bytes]
-constexpr std::size_t most_clients = 64;                 ///< at once; others wait
-constexpr auto patience = std::chrono::seconds(2);       ///< with a request that is not whole
-constexpr auto sign_of_life = std::chrono::seconds(15);  ///< to a page, where there is no message
+constexpr int poll_interval = 100;                  ///< [ms]
+constexpr std::size_t longest_request = 8192;       ///< bytes
+constexpr std::size_t piece = 1 << 20;              ///< of messages, that are on their way to a client [bytes]
+constexpr std::size_t most_clients = 64;            ///< at once; others wait
+constexpr auto patience = std::chrono::seconds(2);  ///< with a request that is not whole
+constexpr auto patience_with_readers = std::chrono::seconds(30);  ///< that take nothing
+constexpr auto sign_of_life = std::chrono::seconds(15);           ///< to a page, where there is no message
 
 bool asks(const std::string& request, const std::string& path) {
   return request.starts_with("GET " + path + " ") || request.starts_with("GET " + path + "?");
@@ -107,7 +108,8 @@ private:
   bool send_waiting() {
     while (!waiting_.empty()) {
       const auto count = send(descriptor_, waiting_.data(), waiting_.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
-      if (count <= 0) return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
+      const bool is_full = count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR);
+      if (count <= 0) return is_full && Clock::now() - since_ < patience_with_readers;
       waiting_.erase(0, static_cast<std::size_t>(count));
       since_ = Clock::now();
     }

@@ -228,7 +228,7 @@ def test_gates_name_a_sensor_that_reads_zero():
     assert abs(filter.parameters["suspension.mu_k1"].value - 20.0) < 0.2
     assert filter.condition in ("consistent", "suspicious")
     hour = filter.health["hour"]
-    assert hour["seconds"] == pytest.approx(1.0) and sum(hour["shares"].values()) == pytest.approx(1.0)
+    assert hour["seconds"] == pytest.approx(2.0) and sum(hour["shares"].values()) == pytest.approx(1.0)
     assert hour["expected_nis"] == pytest.approx(2.0, abs=0.5)
     with pytest.raises(kf.InvalidInput, match="there is no 'limits'"):
         live(gates={"limits": 3})

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Messages that nobody should send: none ends a watcher, moves its estimate to no number or lets its memory grow, and
-// the good ones between them are used. KALFEM_COUNT: so many; 30,000 without it.
+// the good ones between them are used. KALFEM_COUNT: so many; 10,000 without it.
 #include <cstdlib>
 #include <fstream>
 #include <random>
@@ -17,7 +17,7 @@ namespace {
 
 int count_of_messages() {
   const char* count = std::getenv("KALFEM_COUNT");
-  return count ? std::atoi(count) : 30'000;
+  return count ? std::atoi(count) : 10'000;
 }
 
 double resident_megabytes() {

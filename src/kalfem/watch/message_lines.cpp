@@ -41,9 +41,8 @@ Json object_of(const std::string& topic, std::string_view payload) {
   };
   Json object = Json::parse(payload, goes_on, false);
   if (too_deep || !object.is_object())
-    throw InvalidInput("a message on '" + valid_utf8(topic) +
-                           "' is neither a JSON object of numbers and lists of them nor a binary block",
-                       "", "");
+    throw InvalidInput("a message on '" + valid_utf8(topic) + "' is neither a JSON object nor a binary block",
+                       "an object holds numbers and lists of them", "");
   return object;
 }
 
