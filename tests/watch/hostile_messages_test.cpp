@@ -2,7 +2,6 @@
 // Messages that nobody should send: none ends a watcher, moves its estimate to no number or lets its memory grow, and
 // the good ones between them are used. KALFEM_COUNT: so many; 10,000 without it.
 #include <cstdlib>
-#include <fstream>
 #include <random>
 
 #include "api/quarter_car.hpp"
@@ -18,13 +17,6 @@ namespace {
 int count_of_messages() {
   const char* count = std::getenv("KALFEM_COUNT");
   return count ? std::atoi(count) : 10'000;
-}
-
-double resident_megabytes() {
-  std::ifstream status("/proc/self/statm");
-  double size = 0.0, resident = 0.0;
-  status >> size >> resident;
-  return resident * 4096.0 / 1e6;
 }
 
 class Hostile {

@@ -64,4 +64,12 @@ inline std::string written(const std::filesystem::path& file, const std::string&
   return file.string();
 }
 
+/// Memory of this process that is not swapped out.
+inline double resident_megabytes() {
+  std::ifstream status("/proc/self/statm");
+  double size = 0.0, resident = 0.0;
+  status >> size >> resident;
+  return resident * 4096.0 / 1e6;
+}
+
 }  // namespace kalfem::live_case

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdlib>
 #include <deque>
-#include <fstream>
 #include <numbers>
 #include <random>
 
@@ -25,13 +24,6 @@ constexpr double settling = 60.0;  ///< after a fault, until events count as fal
 long steps() {
   const char* given = std::getenv("KALFEM_STEPS");
   return given ? std::atol(given) : 300'000;
-}
-
-double resident_megabytes() {
-  std::ifstream status("/proc/self/statm");
-  double size = 0.0, resident = 0.0;
-  status >> size >> resident;
-  return resident * 4096.0 / 1e6;
 }
 
 /// The car of live_case.hpp on a road without end, by Runge-Kutta's fourth order with a fifth of the sampling interval.
